@@ -20,7 +20,6 @@ enum class LinearSolver {
   kIterativeSchur
 };
 enum class LinearAlgebra { kSuiteSparse, kEigenSparse };
-enum class Ordering { kAmd, kNestedDissection };
 enum class Preconditioner { kIdentity, kJacobi, kSchurJacobi };
 enum class Anchoring { kAutomatic, kNone };
 
@@ -30,7 +29,6 @@ struct SolveOptions {
   Method method = Method::kLevenbergMarquardt;
   LinearSolver linear_solver = LinearSolver::kAutomatic;
   LinearAlgebra linear_algebra = LinearAlgebra::kSuiteSparse;
-  Ordering ordering = Ordering::kAmd;
   Preconditioner preconditioner = Preconditioner::kJacobi;
   int max_iterations = 100;
   double function_tolerance = 1e-9;
@@ -53,8 +51,5 @@ struct SolveOptions {
 
 /// The one description of SolveOptions.
 const std::vector<OptionRow<SolveOptions>>& SolveOptionTable();
-
-/// Throws Error (kUsage).
-void SetOption(std::string_view name, std::string_view value, SolveOptions* options);
 
 }  // namespace graticule

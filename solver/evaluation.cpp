@@ -1,0 +1,235 @@
+#include "graticule/solver/evaluation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+std::string Describe(const Graph& graph, FactorId id) {
+  const FactorView factor = graph.FactorAt(id);
+  std::string text = "factor " + std::to_string(id) + " " + factor.type->name + " (";
+  for (std::size_t i = 0; i < std::min<std::size_t>(factor.variables.size(), 4); ++i)
+    text += (i ? " " : "") + graph.KeyOf(factor.variables[i]).ToString();
+  return text + (factor.variables.size() > 4 ? " ...)" : ")");
+}
+
+void RefuseUnknownTypes(const Graph& graph) {
+  std::map<std::string, std::size_t> missing;
+  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+    const FactorType* type = graph.FactorAt(id).type;
+    if (!type->Known()) ++missing[type->name];
+  }
+  if (!missing.empty()) {
+    std::string text;
+    for (const auto& [name, count] : missing)
+      text += (text.empty() ? "" : "; ") + ("factor type " + name + " is not loaded; ") +
+              std::to_string(count) + (count == 1 ? " factor needs it" : " factors need it");
+    throw Error(text, ErrorKind::kMissingType);
+  }
+  for (VariableId id = 0; id < graph.VariableCount(); ++id)
+    if (!graph.TypeOf(id).known)
+      throw Error("variable type " + graph.TypeOf(id).name + " is not loaded; " +
+                      graph.KeyOf(id).ToString() + " is one",
+                  ErrorKind::kMissingType);
+}
+
+bool HasRepeatedKey(const FactorView& factor) {
+  if (factor.variables.size() <= 16) return false;  // Graph::Add has looked
+  std::vector<VariableId> sorted(factor.variables.begin(), factor.variables.end());
+  std::sort(sorted.begin(), sorted.end());
+  return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+}
+
+// Memory for one evaluation: on the stack while it is small, which it nearly always is.
+template <class T, std::size_t kSmall>
+class Scratch {
+ public:
+  explicit Scratch(std::size_t size) {
+    if (size > kSmall) large_.resize(size);
+    data_ = size > kSmall ? large_.data() : small_.data();
+  }
+  T* data() { return data_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+
+ private:
+  std::array<T, kSmall> small_;
+  std::vector<T> large_;
+  T* data_;
+};
+
+bool AllFinite(const double* values, int count) {
+  // x * 0 is 0 for finite x, nan otherwise: one test for all.
+  double sum = 0;
+  for (int i = 0; i < count; ++i) sum += values[i] * 0.0;
+  return sum == 0;
+}
+
+}  // namespace
+
+Evaluation::Evaluation(const Graph& graph) : graph_(graph) {
+  RefuseUnknownTypes(graph);
+  instances_.resize(graph.FactorCount());
+  whiteners_.resize(graph.NoiseCount());
+  std::vector<bool> whitened(graph.NoiseCount(), false);
+  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+    const FactorView factor = graph.FactorAt(id);
+    const graticule_measurement measurement = {sizeof(graticule_measurement),
+                                               static_cast<std::int32_t>(factor.measurement.size()),
+                                               factor.measurement.data()};
+    std::int32_t residual_size = graph.ResidualSize(id);
+    graticule_error error;
+    error.message[0] = 0;
+    instances_[id].table = factor.type->table;
+    instances_[id].self = factor.type->table->create(
+        &measurement, static_cast<std::int32_t>(factor.variables.size()), &residual_size, &error);
+    const bool repeated = HasRepeatedKey(factor);
+    if (!instances_[id].self || residual_size != graph.ResidualSize(id) || repeated) {
+      error.message[sizeof(error.message) - 1] = 0;
+      const std::string why = repeated           ? "the same key twice"
+                              : error.message[0] ? error.message
+                                                 : "refused its measurement";
+      Destroy();
+      throw Error(Describe(graph, id) + ": " + why);
+    }
+    if (!whitened[factor.noise_id]) {
+      whiteners_[factor.noise_id] = Whitener(factor.noise, residual_size);
+      whitened[factor.noise_id] = true;
+    }
+  }
+}
+
+Evaluation::~Evaluation() { Destroy(); }
+
+void Evaluation::Destroy() {
+  for (Instance& instance : instances_) {
+    if (instance.self) instance.table->destroy(instance.self);
+    instance.self = nullptr;
+  }
+}
+
+bool Evaluation::Fail(FactorId id, const std::string& why) const {
+  const std::lock_guard<std::mutex> lock(failure_mutex_);
+  if (id < failed_) {  // the first of the graph, whichever thread meets it first
+    failed_ = id;
+    failure_ = Describe(graph_, id) + ": " + why;
+  }
+  return false;
+}
+
+std::string Evaluation::FirstFailure() const {
+  const std::lock_guard<std::mutex> lock(failure_mutex_);
+  return failure_;
+}
+
+bool Evaluation::Whitened(FactorId id, const double* const* blocks, double* residual,
+                          double** jacobians, const int* strides) const {
+  return Evaluate(id, blocks, residual, jacobians, strides, true);
+}
+
+bool Evaluation::Raw(FactorId id, const double* const* blocks, double* residual,
+                     double** jacobians) const {
+  return Evaluate(id, blocks, residual, jacobians, nullptr, false);
+}
+
+bool Evaluation::Evaluate(FactorId id, const double* const* blocks, double* residual,
+                          double** jacobians, const int* strides, bool whiten) const {
+  const FactorView factor = graph_.FactorAt(id);
+  const Instance& instance = instances_[id];
+  const int rows = graph_.ResidualSize(id);
+  const std::size_t count = factor.variables.size();
+  graticule_error error;
+  error.message[0] = 0;
+
+  if (!jacobians) {
+    if (!instance.table->evaluate(instance.self, blocks, residual, nullptr, &error))
+      return Fail(id, error.message[0] ? error.message : "could not be evaluated");
+    if (!AllFinite(residual, rows)) return Fail(id, "returned a residual that is not finite");
+    if (whiten) whiteners_[factor.noise_id].Apply(residual, rows, 1, 1);
+    return true;
+  }
+
+  // Where the factor's own matrix has the wanted shape it writes straight to its place.
+  const bool in_tangent = factor.type->HasTangentJacobians();
+  const auto is_direct = [&](std::size_t i, const VariableType& type) {
+    return (in_tangent || !type.manifold) && (!strides || strides[i] == type.TangentSize());
+  };
+  Scratch<double*, 8> targets(count);
+  std::size_t scratch_size = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const VariableType& type = graph_.TypeOf(factor.variables[i]);
+    targets[i] = jacobians[i];
+    if (jacobians[i] && !is_direct(i, type))
+      scratch_size += static_cast<std::size_t>(rows * type.Size());
+  }
+  Scratch<double, 256> scratch(scratch_size);
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const VariableType& type = graph_.TypeOf(factor.variables[i]);
+    if (!jacobians[i] || is_direct(i, type)) continue;
+    targets[i] = scratch.data() + used;
+    used += static_cast<std::size_t>(rows * type.Size());
+  }
+
+  if (!instance.table->evaluate(instance.self, blocks, residual, targets.data(), &error))
+    return Fail(id, error.message[0] ? error.message : "could not be evaluated");
+  if (!AllFinite(residual, rows)) return Fail(id, "returned a residual that is not finite");
+
+  const Whitener& whitener = whiteners_[factor.noise_id];
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!jacobians[i]) continue;
+    const VariableType& type = graph_.TypeOf(factor.variables[i]);
+    const int tangent = type.TangentSize();
+    const int size = in_tangent ? tangent : type.Size();
+    const int stride = strides ? strides[i] : tangent;
+    if (!AllFinite(targets[i], rows * size))
+      return Fail(id, "returned a Jacobian that is not finite");
+    if (targets[i] != jacobians[i] && (in_tangent || !type.manifold)) {
+      for (int r = 0; r < rows; ++r)
+        std::copy(targets[i] + r * size, targets[i] + (r + 1) * size, jacobians[i] + r * stride);
+    } else if (targets[i] != jacobians[i]) {
+      Scratch<double, 64> plus(static_cast<std::size_t>(size * tangent));
+      type.PlusJacobian(blocks[i], plus.data());
+      for (int r = 0; r < rows; ++r) {
+        double* out = jacobians[i] + r * stride;
+        std::fill(out, out + tangent, 0.0);
+        for (int k = 0; k < size; ++k)
+          for (int c = 0; c < tangent; ++c)
+            out[c] += targets[i][r * size + k] * plus.data()[k * tangent + c];
+      }
+    }
+    if (whiten) whitener.Apply(jacobians[i], rows, tangent, stride);
+    for (int r = 0; r < rows; ++r)
+      std::fill(jacobians[i] + r * stride + tangent, jacobians[i] + (r + 1) * stride, 0.0);
+  }
+  if (whiten) whitener.Apply(residual, rows, 1, 1);
+  return true;
+}
+
+void Evaluation::Blocks(FactorId id, const double* data, std::vector<const double*>* blocks) const {
+  blocks->clear();
+  for (const VariableId variable : graph_.FactorAt(id).variables)
+    blocks->push_back(data + graph_.Offset(variable));
+}
+
+double Evaluation::Chi2(FactorId id, const double* data) const {
+  const FactorView factor = graph_.FactorAt(id);
+  Scratch<const double*, 8> blocks(factor.variables.size());
+  for (std::size_t i = 0; i < factor.variables.size(); ++i)
+    blocks[i] = data + graph_.Offset(factor.variables[i]);
+  const int rows = graph_.ResidualSize(id);
+  Scratch<double, 16> residual(static_cast<std::size_t>(rows));
+  if (!Whitened(id, blocks.data(), residual.data(), nullptr, nullptr))
+    return std::numeric_limits<double>::quiet_NaN();
+  double chi2 = 0;
+  for (int r = 0; r < rows; ++r)
+    chi2 += residual[static_cast<std::size_t>(r)] * residual[static_cast<std::size_t>(r)];
+  return chi2;
+}
+
+}  // namespace graticule

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "graticule/solver/graph.hpp"
+
+namespace graticule {
+
+/// A graph made ready to be evaluated: every factor created, its noise turned into a whitening
+/// matrix. What the Ceres bridge, marginals, diagnosis and reports share.  The graph must outlive
+/// it and stay as it is.
+class Evaluation {
+ public:
+  /// Throws Error: kMissingType where a type is not known here (with the number of factors that
+  /// need it), kInput where a factor refuses its data.
+  explicit Evaluation(const Graph& graph);
+  ~Evaluation();
+  Evaluation(const Evaluation&) = delete;
+  Evaluation& operator=(const Evaluation&) = delete;
+
+  const Graph& TheGraph() const { return graph_; }
+  std::size_t FactorCount() const { return instances_.size(); }
+
+  /// Whitened residual of a factor and, where `jacobians` and its entries are not null, whitened
+  /// Jacobians with respect to each block's tangent: row-major, `strides[i]` numbers from row to
+  /// row (at least the tangent size; null: exactly that).  `blocks` are the stored values.  False
+  /// where the factor fails or returns something that is not finite; the first failure is kept.
+  /// Thread-safe.
+  bool Whitened(FactorId id, const double* const* blocks, double* residual, double** jacobians,
+                const int* strides) const;
+
+  /// The residual as the factor states it, in its units; Jacobians likewise, packed.
+  bool Raw(FactorId id, const double* const* blocks, double* residual, double** jacobians) const;
+
+  /// Pointers to a factor's blocks inside a buffer laid out as the graph's values.
+  void Blocks(FactorId id, const double* data, std::vector<const double*>* blocks) const;
+
+  /// r' W r; nan where it cannot be evaluated.
+  double Chi2(FactorId id, const double* data) const;
+
+  /// Which factor failed first, with its keys and reason; "" if none did.
+  std::string FirstFailure() const;
+
+ private:
+  struct Instance {
+    const graticule_factor_type_v1* table = nullptr;
+    void* self = nullptr;
+  };
+  bool Evaluate(FactorId id, const double* const* blocks, double* residual, double** jacobians,
+                const int* strides, bool whiten) const;
+  void Destroy();
+  bool Fail(FactorId id, const std::string& why) const;
+
+  const Graph& graph_;
+  std::vector<Instance> instances_;
+  std::vector<Whitener> whiteners_;  // by noise id
+  mutable std::mutex failure_mutex_;
+  mutable FactorId failed_ = 0xffffffffu;
+  mutable std::string failure_;
+};
+
+}  // namespace graticule

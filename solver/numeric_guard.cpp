@@ -1,0 +1,39 @@
+#include "graticule/solver/numeric_guard.hpp"
+
+#include <dlfcn.h>
+#include <glog/logging.h>
+
+namespace graticule {
+namespace {
+
+// Looked up, not linked: another BLAS, or a CHOLMOD without OpenMP, is legal.
+template <class Function>
+Function Find(const char* name) {
+  return reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, name));
+}
+
+}  // namespace
+
+NumericGuard::NumericGuard() : log_level_(FLAGS_minloglevel) {
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  if (const auto get = Find<int (*)()>("openblas_get_num_threads")) blas_threads_ = get();
+  if (const auto set = Find<void (*)(int)>("openblas_set_num_threads"); set && blas_threads_ > 1)
+    set(1);
+  if (const auto get = Find<int (*)()>("omp_get_max_active_levels")) active_levels_ = get();
+  if (const auto set = Find<void (*)(int)>("omp_set_max_active_levels")) set(0);
+}
+
+NumericGuard::~NumericGuard() {
+  FLAGS_minloglevel = log_level_;
+  if (const auto set = Find<void (*)(int)>("openblas_set_num_threads"); set && blas_threads_ > 1)
+    set(blas_threads_);
+  if (const auto set = Find<void (*)(int)>("omp_set_max_active_levels")) set(active_levels_);
+}
+
+const char* LoadedBlas() {
+  Dl_info info{};
+  void* dgemm = dlsym(RTLD_DEFAULT, "dgemm_");
+  return dgemm && dladdr(dgemm, &info) && info.dli_fname ? info.dli_fname : "unknown";
+}
+
+}  // namespace graticule
