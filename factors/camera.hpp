@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "graticule/factors/lie.hpp"
 #include "graticule/factors/sdk.hpp"
 
