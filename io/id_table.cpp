@@ -1,0 +1,108 @@
+#include "graticule/io/id_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+namespace graticule {
+
+void IdTable::Define(std::uint64_t id, VariableId variable, std::size_t offset) {
+  if (id >= dense_.size() && id < dense_limit_) {
+    std::size_t size = std::max<std::size_t>(64, dense_.size());
+    while (size <= id) size *= 2;
+    dense_.resize(size, Layout::kNone);
+    for (auto it = sparse_.begin(); it != sparse_.end();) {
+      if (it->first < size) {
+        dense_[it->first] = it->second;
+        it = sparse_.erase(it);
+      } else {
+        ++it;
+      }
+    }
+  }
+  if (id < dense_.size()) {
+    dense_[id] = variable;
+  } else {
+    sparse_[id] = variable;
+  }
+  offsets_.push_back(offset);
+}
+
+void KeyComments::Read(TextReader* reader, const IdTable& ids) {
+  const std::uint64_t id = reader->Integer("the id of a vertex");
+  if (ids.Find(id) != Layout::kNone)
+    reader->Fail("the key of vertex " + std::to_string(id) + " must come before the vertex");
+  Key key("a", 0);
+  if (!Key::Parse(reader->Word("the vertex's key"), &key))
+    reader->FailExpected("a key such as pose:12", "the vertex's key");
+  if (!keys_.emplace(id, key).second)
+    reader->Fail("vertex " + std::to_string(id) + " already has a key");
+  reader->ExpectEnd();
+}
+
+std::vector<std::uint64_t> AssignIds(const Graph& graph,
+                                     const std::vector<std::string_view>& families,
+                                     std::string* comments) {
+  constexpr std::uint64_t kLargest = 2147483647;  // ids are an int in g2o and TORO
+  const std::vector<VariableId> order = graph.KeyOrder();
+  std::vector<std::uint64_t> ids(graph.VariableCount());
+  std::vector<VariableId> others;
+  std::unordered_set<std::uint64_t> taken;
+  taken.reserve(order.size());
+  std::uint64_t next = 0;
+  // Poses before landmarks: where both want a number, the pose keeps it.
+  for (const bool poses : {true, false})
+    for (const VariableId id : order) {
+      const Key& key = graph.KeyOf(id);
+      if ((key.Family() == "pose") != poses) continue;
+      const bool own = key.Family() == families[graph.VariableTypeIndex(id)] &&
+                       key.Number() <= kLargest && taken.insert(key.Number()).second;
+      if (!own) {
+        others.push_back(id);
+        continue;
+      }
+      ids[id] = key.Number();
+      next = std::max(next, key.Number() + 1);
+    }
+  std::sort(others.begin(), others.end(),
+            [&](VariableId a, VariableId b) { return graph.KeyOf(a) < graph.KeyOf(b); });
+  for (const VariableId id : others) {
+    if (next > kLargest) next = 0;
+    while (!taken.insert(next).second) ++next;
+    ids[id] = next;
+    *comments += "# graticule-key ";
+    AppendInteger(comments, next);
+    *comments += ' ' + graph.KeyOf(id).ToString() + '\n';
+  }
+  return ids;
+}
+
+void RethrowAt(const TextReader& reader, std::size_t offset, const Error& error) {
+  try {
+    reader.FailAt(offset, error.what());
+  } catch (const Error& placed) {
+    throw Error(placed.what(), error.Kind());
+  }
+}
+
+bool NormaliseQuaternion(double* q) {
+  const double squared_norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (!(std::abs(squared_norm - 1) < 2e-3)) return false;
+  // As in solver/variable.cpp: what is at unit length already keeps its digits.
+  if (std::abs(squared_norm - 1) > 1e-15)
+    for (int i = 0; i < 4; ++i) q[i] /= std::sqrt(squared_norm);
+  return true;
+}
+
+void ReadQuaternion(TextReader* reader, const char* const what[4], double* q) {
+  q[0] = reader->Double(what[0]);
+  const std::size_t place = reader->WordOffset();
+  for (int i = 1; i < 4; ++i) q[i] = reader->Double(what[i]);
+  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  if (NormaliseQuaternion(q)) return;
+  std::string text;
+  AppendNumber(&text, norm);
+  reader->FailAt(place, "expected a unit quaternion (qx qy qz qw), found one of length " + text);
+}
+
+}  // namespace graticule
