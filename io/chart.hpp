@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace graticule {
+
+/// A line of a chart.  Points that are not finite are left out.
+struct Curve {
+  struct Point {
+    double x = 0, y = 0;
+  };
+  std::string name;
+  std::vector<Point> points;
+};
+
+enum class AxisScale {
+  kAutomatic,  ///< logarithmic where all values are above 0 and span more than a factor of 100
+  kLinear,
+  kLogarithmic,  ///< values that are not above 0 are left out
+};
+
+struct CurveChart {
+  std::string title;
+  std::string x_label, y_label;  ///< with their units: "time [s]"
+  AxisScale x_scale = AxisScale::kLinear;
+  AxisScale y_scale = AxisScale::kAutomatic;
+  bool whole_x = false;  ///< x counts something: ticks at whole numbers only
+  std::vector<Curve> curves;
+  double width = 760, height = 320;  ///< [px]
+};
+
+/// An SVG document with a line for each curve, and a legend where there are several.
+std::string DrawCurves(const CurveChart& chart);
+
+/// Horizontal bars, each a stack of parts, in seconds.
+struct BarChart {
+  struct Bar {
+    std::string name;
+    std::vector<double> seconds;  ///< one for each part; not finite or negative: 0
+  };
+  std::string title;
+  std::vector<std::string> parts;
+  std::vector<Bar> bars;
+  double width = 760;  ///< [px]; the height follows from the bars
+};
+
+/// An SVG document with a legend of the parts, and each bar's sum beside it.
+std::string DrawBars(const BarChart& chart);
+
+}  // namespace graticule

@@ -1,0 +1,92 @@
+#include <cairo.h>
+#include <librsvg/rsvg.h>
+
+#include <cmath>
+#include <memory>
+
+#include "graticule/io/svg.hpp"
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+struct Release {
+  void operator()(void* object) const { g_object_unref(object); }
+  void operator()(GError* error) const { g_error_free(error); }
+  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+  void operator()(cairo_t* context) const { cairo_destroy(context); }
+};
+template <class T>
+using Owned = std::unique_ptr<T, Release>;
+
+constexpr double kMaxSide = 32767;  // cairo's limit
+
+[[noreturn]] void Refuse(const std::string& what, GError* error) {
+  const Owned<GError> owned(error);
+  throw Error("SVG to PNG: " + what + (error ? std::string(": ") + error->message : ""));
+}
+
+cairo_status_t Append(void* closure, const unsigned char* data, unsigned int length) {
+  try {
+    static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
+  } catch (...) {
+    return CAIRO_STATUS_NO_MEMORY;
+  }
+  return CAIRO_STATUS_SUCCESS;
+}
+
+Owned<RsvgHandle> Parse(const std::string& svg) {
+  const Owned<GInputStream> stream(
+      g_memory_input_stream_new_from_data(svg.data(), static_cast<gssize>(svg.size()), nullptr));
+  GError* error = nullptr;
+  // Unlimited: libxml2 otherwise refuses an attribute above 10 MB, and a path is one attribute.
+  Owned<RsvgHandle> handle(rsvg_handle_new_from_stream_sync(
+      stream.get(), nullptr, RSVG_HANDLE_FLAG_UNLIMITED, nullptr, &error));
+  if (!handle) Refuse("not an SVG document", error);
+  rsvg_handle_set_dpi(handle.get(), 96);
+  return handle;
+}
+
+double HeightOverWidth(RsvgHandle* handle) {
+  double width = 0, height = 0;
+  if (!rsvg_handle_get_intrinsic_size_in_pixels(handle, &width, &height)) {
+    gboolean has_width, has_height, has_box;
+    RsvgLength unused;
+    RsvgRectangle box{};
+    rsvg_handle_get_intrinsic_dimensions(handle, &has_width, &unused, &has_height, &unused,
+                                         &has_box, &box);
+    width = box.width;
+    height = box.height;
+  }
+  if (!(width > 0 && height > 0)) Refuse("the document says no size", nullptr);
+  return height / width;
+}
+
+}  // namespace
+
+std::string PngFromSvg(const std::string& svg, int width_px) {
+  const Owned<RsvgHandle> handle = Parse(svg);
+  const double height_px = std::ceil(width_px * HeightOverWidth(handle.get()) - 1e-6);
+  if (width_px < 1 || width_px > kMaxSide || height_px < 1 || height_px > kMaxSide)
+    Refuse("a picture of " + std::to_string(width_px) + " pixels in width was asked for, 1 to " +
+               std::to_string(static_cast<int>(kMaxSide)) + " a side are possible",
+           nullptr);
+
+  const Owned<cairo_surface_t> surface(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, static_cast<int>(height_px)));
+  const Owned<cairo_t> context(cairo_create(surface.get()));
+  cairo_set_source_rgb(context.get(), 1, 1, 1);
+  cairo_paint(context.get());
+  const RsvgRectangle viewport{0, 0, static_cast<double>(width_px), height_px};
+  GError* error = nullptr;
+  if (!rsvg_handle_render_document(handle.get(), context.get(), &viewport, &error))
+    Refuse("cannot draw", error);
+
+  std::string png;
+  const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), Append, &png);
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw Error(std::string("SVG to PNG: ") + cairo_status_to_string(status), ErrorKind::kOther);
+  return png;
+}
+
+}  // namespace graticule
