@@ -87,7 +87,7 @@ double DrawTitle(const std::string& title, double width, Svg* svg) {
   if (svg)
     svg->Text(kMargin, 22, plot::Shorten(title, width - 2 * kMargin, 14),
               plot::Ink(14, {}, true));
-  return 34;
+  return 38;
 }
 
 // The rectangle that the curves lie in [px].

@@ -132,7 +132,8 @@ class Panel {
     std::vector<char> seen(std::max<std::size_t>(1, drawing_.graph.groups.size()));
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
       const std::size_t group = std::min<std::size_t>(nodes_[i].group, seen.size() - 1);
-      if (drawing_.is_landmark[i] || !Finite(nodes_[i]) || seen[group]++) continue;
+      if (drawing_.is_landmark[i] || !Finite(nodes_[i]) || seen[group]) continue;
+      seen[group] = 1;
       const auto [x, y] = Place(i);
       Attributes ring = Paper();
       ring[0].second += " " + GroupStroke(group, 2)[0].second;

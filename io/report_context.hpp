@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace graticule {
+
+/// What whoever called Solve knows about a run beside the solver's own Report.  Empty: left out.
+struct ReportContext {
+  std::string file;            ///< the problem
+  std::string format;          ///< "g2o", "fg"
+  std::string configuration;   ///< the configuration's name or file
+  std::string initialisation;  ///< one line: "spanning tree, cost 5.21e4"
+  std::vector<std::string> outputs;
+  std::uint64_t peak_memory_bytes = 0;  ///< of the whole process; 0: not known
+  std::vector<std::pair<std::string, std::string>> extras;
+};
+
+}  // namespace graticule

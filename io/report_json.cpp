@@ -1,0 +1,123 @@
+#include "graticule/io/report_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace graticule {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json Seconds(const Timing& timing) {
+  return {{"load", timing.load.wall},
+          {"initialise", timing.initialise.wall},
+          {"build", timing.build.wall},
+          {"preprocess", timing.preprocess},
+          {"evaluate", timing.evaluate},
+          {"linear_solve", timing.linear_solve},
+          {"solve", timing.solve.wall},
+          {"write", timing.write.wall},
+          {"total", timing.total.wall}};
+}
+
+Json CpuSeconds(const Timing& timing) {
+  return {{"load", timing.load.cpu},   {"initialise", timing.initialise.cpu},
+          {"build", timing.build.cpu}, {"solve", timing.solve.cpu},
+          {"write", timing.write.cpu}, {"total", timing.total.cpu}};
+}
+
+Json Shares(const Report& report) {
+  Json shares = Json::array();
+  for (const CostShare& share : report.shares)
+    shares.push_back({{"type", share.type},
+                      {"source", share.source},
+                      {"factors", share.factors},
+                      {"residuals", share.residuals},
+                      {"initial_cost", share.initial_cost},
+                      {"final_cost", share.final_cost}});
+  return shares;
+}
+
+Json Worst(const Report& report) {
+  Json worst = Json::array();
+  for (const WorstFactor& factor : report.worst) {
+    Json keys = Json::array();
+    for (const Key& key : factor.keys) keys.push_back(key.ToString());
+    worst.push_back({{"factor", factor.id},
+                     {"type", factor.type},
+                     {"source", factor.source},
+                     {"keys", std::move(keys)},
+                     {"chi2", factor.chi2},
+                     {"residuals", factor.residuals},
+                     {"weight", factor.weight}});
+  }
+  return worst;
+}
+
+Json History(const Report& report) {
+  Json history = Json::array();
+  for (const Iteration& step : report.iterations)
+    history.push_back({{"number", step.number},
+                       {"accepted", step.accepted},
+                       {"objective", step.objective},
+                       {"objective_change", step.objective_change},
+                       {"gradient_max_norm", step.gradient_max_norm},
+                       {"step_norm", step.step_norm},
+                       {"trust_region_radius", step.trust_region_radius},
+                       {"linear_iterations", step.linear_iterations},
+                       {"seconds", step.seconds}});
+  return history;
+}
+
+Json Object(const std::vector<std::pair<std::string, std::string>>& members) {
+  Json object = Json::object();
+  for (const auto& [name, value] : members) object[name] = value;
+  return object;
+}
+
+}  // namespace
+
+std::string ReportJson(const Report& report, const ReportContext& context) {
+  Json json;
+  json["schema"] = "graticule-report/1";
+  if (!context.file.empty()) json["file"] = context.file;
+  if (!context.format.empty()) json["format"] = context.format;
+  if (!context.configuration.empty()) json["configuration"] = context.configuration;
+  if (!context.initialisation.empty()) json["initialisation"] = context.initialisation;
+  if (!context.outputs.empty()) json["outputs"] = context.outputs;
+  if (!context.extras.empty()) json["extras"] = Object(context.extras);
+
+  json["termination"] = ToString(report.termination);
+  json["message"] = report.message;
+  json["initial_cost"] = report.initial_cost;
+  json["final_cost"] = report.final_cost;
+  json["initial_objective"] = report.initial_objective;
+  json["final_objective"] = report.final_objective;
+  json["chi2"] = report.Chi2();
+  json["degrees_of_freedom"] = report.degrees_of_freedom;
+  json["reduced_chi2"] = report.ReducedChi2();
+  json["iterations"] = report.Steps();
+
+  json["variables"] = report.variables;
+  json["fixed_variables"] = report.fixed_variables;
+  json["parameters"] = report.parameters;
+  json["factors"] = report.factors;
+  json["residuals"] = report.residuals;
+
+  json["seconds"] = Seconds(report.timing);
+  json["cpu_seconds"] = CpuSeconds(report.timing);
+  json["threads"] = report.threads;
+  json["peak_memory_bytes"] =
+      context.peak_memory_bytes ? Json(context.peak_memory_bytes) : Json(nullptr);
+  json["linear_solver"] = report.linear_solver;
+
+  json["anchors"] = report.anchors;
+  json["warnings"] = report.warnings;
+  json["cost_by_type"] = Shares(report);
+  json["worst_factors"] = Worst(report);
+  json["history"] = History(report);
+  json["options"] = Object(report.options);
+  json["provenance"] = Object(report.provenance);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace graticule
