@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "graticule/solver/graph.hpp"
+#include "graticule/solver/option.hpp"
+
+namespace graticule {
+
+/// Where a pose graph's initial values come from.
+enum class InitialGuess {
+  kAutomatic,     ///< the file's where it has them, else the spanning tree
+  kFile,          ///< as they are
+  kOdometry,      ///< along consecutive keys of a family; the tree for what that does not reach
+  kSpanningTree,  ///< breadth first over all between factors: the fewest measurements to each pose
+};
+
+struct InitialiseOptions {
+  InitialGuess initialise = InitialGuess::kAutomatic;
+};
+
+/// The one description of InitialiseOptions.
+const std::vector<OptionRow<InitialiseOptions>>& InitialiseOptionTable();
+
+struct InitialiseReport {
+  InitialGuess used = InitialGuess::kFile;
+  std::size_t set = 0;        ///< variables that were given a new value: poses + landmarks
+  std::size_t poses = 0;      ///< of these, poses
+  std::size_t landmarks = 0;  ///< of these, landmarks
+  std::size_t roots = 0;      ///< poses that others were placed from
+  /// Roots that nothing holds: the smallest key of a piece without a fixed pose or a prior.
+  std::size_t free_roots = 0;
+  std::size_t assumed = 0;  ///< of the landmarks, those at an assumed range or direction
+  std::string summary;      ///< one line
+};
+
+/// Gives the poses (se2/1, se3/1) and landmarks (point2/1, point3/1) of a graph initial values from
+/// its measurements.  Fixed variables keep theirs.
+///
+/// Roots are the fixed poses, poses with a prior (placed where it says), and then the smallest key
+/// of each piece that is still unplaced, at its own value.  Landmarks come last, from their first
+/// sighting; of a landmark with bearings only, from the two that cross best, and where none cross
+/// well at an assumed 10 m; of one with ranges only, straight ahead.  The report says how many.
+/// Pieces that only landmarks or positions (position_*) tie together are not aligned.
+///
+/// A graph without such poses (bundle adjustment) is left untouched, and the summary says so.
+/// `file_has_guess` is what the reader of the file says: automatic turns on it.
+/// Deterministic; time in proportion to the graph, but for the sorting of keys.
+InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess);
+
+/// "automatic", "file", "odometry", "spanning_tree".
+std::string ToString(InitialGuess guess);
+
+}  // namespace graticule
