@@ -7,30 +7,15 @@
 #include "graticule/problems/pose_graph/landmarks.hpp"
 #include "graticule/problems/pose_graph/transform.hpp"
 #include "graticule/solver/error.hpp"
-#include "graticule/solver/nearest.hpp"
 
 namespace graticule {
 namespace {
 
-constexpr std::pair<std::string_view, InitialGuess> kNames[] = {
+const std::vector<std::pair<std::string, InitialGuess>> kNames = {
     {"automatic", InitialGuess::kAutomatic},
     {"file", InitialGuess::kFile},
     {"odometry", InitialGuess::kOdometry},
     {"spanning_tree", InitialGuess::kSpanningTree}};
-
-void SetGuess(InitialiseOptions& options, std::string_view value) {
-  std::vector<std::string_view> names;
-  for (const auto& [name, guess] : kNames) {
-    if (name == value) {
-      options.initialise = guess;
-      return;
-    }
-    names.push_back(name);
-  }
-  throw Error("initialise: expected automatic, file, odometry or spanning_tree, found '" +
-                  std::string(value) + "'" + DidYouMean(value, names),
-              ErrorKind::kUsage);
-}
 
 enum class Role : std::uint8_t { kOther, kBetween, kPrior, kPriorWithOffset };
 
@@ -243,15 +228,14 @@ std::string Summary(const InitialiseReport& report) {
 
 std::string ToString(InitialGuess guess) {
   for (const auto& [name, value] : kNames)
-    if (value == guess) return std::string(name);
+    if (value == guess) return name;
   return "";
 }
 
 const std::vector<OptionRow<InitialiseOptions>>& InitialiseOptionTable() {
   static const std::vector<OptionRow<InitialiseOptions>> table = {
-      {"initialise", "automatic | file | odometry | spanning_tree",
-       "where a pose graph's initial values come from",
-       [](const InitialiseOptions& options) { return ToString(options.initialise); }, SetGuess}};
+      ChoiceOption("initialise", &InitialiseOptions::initialise, kNames,
+                   "where a pose graph's initial values come from")};
   return table;
 }
 

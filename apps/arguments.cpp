@@ -1,0 +1,224 @@
+#include "arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <iostream>
+
+#include "commands.hpp"
+#include "graticule/solver/provenance.hpp"
+
+namespace graticule::apps {
+namespace {
+
+// A command with its words bound; `run` is set where it was chosen.
+using Chosen = std::function<int(const Console&)>;
+
+template <class Command>
+CLI::App* AddCommand(CLI::App* app, const char* name, const char* what, const char* examples,
+                     std::shared_ptr<Command> command, Chosen* chosen) {
+  CLI::App* sub = app->add_subcommand(name, what);
+  sub->footer(std::string("Examples:\n") + examples);
+  sub->callback([command, chosen] {
+    *chosen = [command](const Console& console) { return Run(*command, console); };
+  });
+  return sub;
+}
+
+void AddReading(CLI::App* sub, Reading* reading) {
+  sub->add_option("--plugin", reading->plugins, "a plug-in's shared library; may be repeated")
+      ->type_name("FILE")
+      ->expected(1);
+  sub->add_option("--g2o-rotation", reading->g2o_rotation,
+                  "what 3D rotation weights in .g2o mean: half (as the tool g2o: the quaternion's "
+                  "vector part; the "
+                  "default), double (as Ceres' example: twice that), full (as GTSAM: the angle)")
+      ->check(CLI::IsMember({"half", "double", "full"}));
+  sub->add_flag("--skip-unknown", reading->skip_unknown,
+                "go on past tags that are not known, and say which");
+}
+
+void AddChoosing(CLI::App* sub, Choosing* choosing) {
+  sub->add_option("-c,--config", choosing->config,
+                  "a ready configuration (`graticule options`) or a YAML file");
+  sub->add_option("-s,--set", choosing->settings, "one option; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->expected(1);
+}
+
+void AddSolve(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<SolveCommand>();
+  CLI::App* sub =
+      AddCommand(app, "solve", "solve a recorded problem",
+                 "  graticule solve city10000.g2o.gz -o solved.g2o --plot city.svg\n"
+                 "  graticule solve problem.fg --config robust-huber --set threads=2 --json",
+                 command, chosen);
+  sub->add_option("FILE", command->file, ".fg .g2o .graph (TORO) .txt/.bal (BAL), each also .gz")
+      ->required();
+  sub->add_option("-o,--output", command->output,
+                  "write the solved problem; the format by its ending");
+  sub->add_flag("--binary", command->binary, "write .fg with binary numbers");
+  sub->add_option("--report", command->report, "write a report: .html or .json");
+  sub->add_option("--trajectory", command->trajectory, "write the poses: TUM");
+  sub->add_option("--plot", command->plot, "draw the graph before and after: .svg or .png");
+  sub->add_option("--marginals", command->marginals,
+                  "covariance of these keys (pose:1,pose:2) or `all`");
+  sub->add_option("--marginals-output", command->marginals_output, "write the covariances: .json");
+  sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
+  AddChoosing(sub, &command->choosing);
+  AddReading(sub, &command->reading);
+}
+
+void AddCompare(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<CompareCommand>();
+  CLI::App* sub = AddCommand(
+      app, "compare", "solve files with several configurations, side by side",
+      "  graticule compare *.g2o --configs default dogleg my.yaml --report compare.html\n"
+      "  graticule compare sphere2500.g2o --configs default eigen-sparse --repeats 5 --json",
+      command, chosen);
+  sub->add_option("FILES", command->files, "recorded problems")->required();
+  sub->add_option("--configs", command->configs, "ready configurations or YAML files")->required();
+  sub->add_option("-s,--set", command->settings,
+                  "one option, in every configuration; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->expected(1);
+  sub->add_option("--repeats", command->repeats, "counted runs of each, after one that is not")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  sub->add_option("--report", command->report, "write a page (.html) or data (.json)");
+  sub->add_option("--best-known", command->best_known,
+                  "YAML: file name: best known cost (0.5 r'Wr)");
+  sub->add_flag("--json", command->json, "JSON on stdout instead of the table");
+  AddReading(sub, &command->reading);
+}
+
+void AddConvert(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<ConvertCommand>();
+  CLI::App* sub = AddCommand(app, "convert", "rewrite a problem in another format",
+                             "  graticule convert sphere2500.g2o sphere2500.fg\n"
+                             "  graticule convert big.g2o.gz big.fg --binary",
+                             command, chosen);
+  sub->add_option("IN", command->input)->required();
+  sub->add_option("OUT", command->output)->required();
+  sub->add_flag("--binary", command->binary, "write .fg with binary numbers");
+  AddReading(sub, &command->reading);
+}
+
+void AddInspect(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<InspectCommand>();
+  CLI::App* sub =
+      AddCommand(app, "inspect", "say what is in a problem: counts, keys, pieces, anchors, rank",
+                 "  graticule inspect victoria_park.g2o\n"
+                 "  graticule inspect problem.fg --json",
+                 command, chosen);
+  sub->add_option("FILE", command->file)->required();
+  sub->add_flag("--json", command->json, "JSON on stdout");
+  AddReading(sub, &command->reading);
+}
+
+void AddCheck(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<CheckCommand>();
+  CLI::App* sub = AddCommand(
+      app, "check",
+      "check a problem's structure, rank, and every factor's Jacobian against differences",
+      "  graticule check problem.fg\n"
+      "  graticule check problem.fg --plugin ./libradar.so --tolerance 1e-6",
+      command, chosen);
+  sub->add_option("FILE", command->file)->required();
+  sub->add_option("--tolerance", command->tolerance, "largest relative disagreement of a Jacobian")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_flag("--json", command->json, "JSON on stdout");
+  AddReading(sub, &command->reading);
+}
+
+void AddSimulate(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<SimulateCommand>();
+  CLI::App* sub =
+      AddCommand(app, "simulate", "make a recorded problem whose truth is known",
+                 "  graticule simulate city --robots 4 --poses 1000 -o city.fg --truth truth.tum\n"
+                 "  graticule simulate bundle --cameras 20 --points 500 -o ring.bal",
+                 command, chosen);
+  sub->add_option("KIND", command->kind,
+                  "city: a multi-robot pose graph; bundle: cameras and points")
+      ->required()
+      ->check(CLI::IsMember({"city", "bundle"}));
+  sub->add_option("-o,--output", command->output, "the problem; the format by its ending")
+      ->required();
+  sub->add_flag("--binary", command->binary, "write .fg with binary numbers");
+  sub->add_option("--truth", command->truth, "the true values: .tum (poses) or a problem file");
+  sub->add_option("--outliers", command->outliers,
+                  "the ids of the factors that were made wrong: .json");
+  sub->add_option("--robots", command->robots)->check(CLI::Range(1, 1000))->capture_default_str();
+  sub->add_option("--poses", command->poses, "of each robot")
+      ->check(CLI::Range(2, 100000000))
+      ->capture_default_str();
+  sub->add_option("--dimension", command->dimension)
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
+  sub->add_option("--landmarks", command->landmarks)
+      ->check(CLI::Range(0, 10000000))
+      ->capture_default_str();
+  sub->add_option("--outlier-fraction", command->outlier_fraction, "of the loop closures")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  sub->add_option("--closures-per-pose", command->closures_per_pose,
+                  "loop closures tried a pose, on average")
+      ->check(CLI::Range(0.0, 100.0));
+  sub->add_option("--cameras", command->cameras)
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  sub->add_option("--points", command->points)
+      ->check(CLI::Range(4, 10000000))
+      ->capture_default_str();
+  sub->add_option("--seed", command->seed)->capture_default_str();
+}
+
+void AddLists(CLI::App* app, Chosen* chosen) {
+  auto options = std::make_shared<OptionsCommand>();
+  AddCommand(app, "options", "list every option and the ready configurations",
+             "  graticule options\n  graticule options --markdown > docs/options.md", options,
+             chosen)
+      ->add_flag("--markdown", options->markdown, "as the page in the docs");
+  auto types = std::make_shared<TypesCommand>();
+  CLI::App* sub =
+      AddCommand(app, "types", "list the variable and factor types that are loaded",
+                 "  graticule types\n  graticule types --plugin ./libradar.so", types, chosen);
+  AddReading(sub, &types->reading);
+}
+
+}  // namespace
+
+int RunFromArguments(int argc, char** argv) {
+  CLI::App app("Factor graphs as data, solved by Ceres.", "graticule");
+  Console console;
+  Chosen chosen;
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_flag("-q,--quiet", console.quiet, "nothing on stderr but errors");
+  std::string version = "graticule " + Version();
+  for (const auto& [what, which] : Provenance())
+    if (what != "graticule") version += "\n  " + what + " " + which;
+  app.set_version_flag("--version", version);
+  app.footer(
+      "Exit codes: 0 done, 1 failed, 2 usage, 3 input refused, 4 not converged, 5 ill-posed, 6 "
+      "type or plug-in "
+      "missing, 70 internal.\nExamples:\n  graticule solve sphere2500.g2o -o solved.g2o\n"
+      "  graticule compare *.g2o --configs default dogleg --report compare.html");
+  AddSolve(&app, &chosen);
+  AddCompare(&app, &chosen);
+  AddConvert(&app, &chosen);
+  AddInspect(&app, &chosen);
+  AddCheck(&app, &chosen);
+  AddSimulate(&app, &chosen);
+  AddLists(&app, &chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error, std::cout, std::cerr);  // help, version
+    std::cerr << "graticule: " << error.what() << "\nRun with --help for more information.\n";
+    return kUsage;
+  }
+  return chosen(console);
+}
+
+}  // namespace graticule::apps

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "console.hpp"
+
+namespace graticule::apps {
+
+/// How files are read: shared by every command that reads a problem.
+struct Reading {
+  std::vector<std::string> plugins;
+  std::string g2o_rotation;  ///< "half", "double", "full"; "" as the file says, else half
+  bool skip_unknown = false;
+};
+
+/// Which configuration, and what is changed in it.
+struct Choosing {
+  std::string config;                 ///< "" or a name or a file
+  std::vector<std::string> settings;  ///< "threads=2"
+};
+
+struct SolveCommand {
+  std::string file;
+  Reading reading;
+  Choosing choosing;
+  std::string output, report, trajectory, plot, marginals, marginals_output;
+  bool binary = false;
+  bool json = false;
+};
+
+struct CompareCommand {
+  std::vector<std::string> files, configs, settings;
+  Reading reading;
+  int repeats = 3;
+  std::string report, best_known;
+  bool json = false;
+};
+
+struct ConvertCommand {
+  std::string input, output;
+  Reading reading;
+  bool binary = false;
+};
+
+struct InspectCommand {
+  std::string file;
+  Reading reading;
+  bool json = false;
+};
+
+struct CheckCommand {
+  std::string file;
+  Reading reading;
+  double tolerance = 1e-5;
+  bool json = false;
+};
+
+struct SimulateCommand {
+  std::string kind = "city";
+  std::string output, truth, outliers;
+  bool binary = false;
+  int robots = 4, poses = 1000, dimension = 2, landmarks = 0;
+  int cameras = 20, points = 500;
+  double outlier_fraction = 0;
+  double closures_per_pose = -1;  ///< -1: the simulator's own
+  std::uint64_t seed = 1;
+};
+
+struct OptionsCommand {
+  bool markdown = false;
+};
+
+struct TypesCommand {
+  Reading reading;
+};
+
+/// Each runs one subcommand and returns its exit code.  Results on stdout, everything else on
+/// stderr.  Throws Error.
+int Run(const SolveCommand& command, const Console& console);
+int Run(const CompareCommand& command, const Console& console);
+int Run(const ConvertCommand& command, const Console& console);
+int Run(const InspectCommand& command, const Console& console);
+int Run(const CheckCommand& command, const Console& console);
+int Run(const SimulateCommand& command, const Console& console);
+int Run(const OptionsCommand& command, const Console& console);
+int Run(const TypesCommand& command, const Console& console);
+
+}  // namespace graticule::apps

@@ -1,0 +1,31 @@
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "arguments.hpp"
+#include "console.hpp"
+
+int main(int argc, char** argv) {
+  using namespace graticule;
+  const apps::Console console;
+  int code = apps::kInternal;
+  try {
+    code = apps::RunFromArguments(argc, argv);
+  } catch (const Error& error) {
+    console.Error(error.what());
+    code = apps::ExitOf(error.Kind());
+  } catch (const std::bad_alloc&) {
+    console.Error("out of memory");
+    code = apps::kOtherFailure;
+  } catch (const std::exception& exception) {
+    console.Error(fmt::format("internal error, please report: {}", exception.what()));
+  }
+  // A full disk behind stdout shows only here.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
+    console.Error("could not write to the standard output");
+    if (code == apps::kDone) code = apps::kOtherFailure;
+  }
+  return code;
+}

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "configuration.hpp"
+#include "graticule/io/problem_file.hpp"
+#include "graticule/io/report_json.hpp"
+
+namespace graticule::apps {
+
+/// The built-in types, those of the plug-in folders, and of `--plugin`.  Throws Error
+/// (kMissingType).
+Registry LoadTypes(const Reading& reading);
+
+/// Reads a problem as the words say, and notes on stderr what was skipped.
+Recording Load(const std::string& file, const Reading& reading, const Registry& types,
+               const Console& console);
+
+/// The configuration of `--config` with `--set` applied.
+Configuration Choose(const Choosing& choosing);
+
+/// Throws Error (kOther) unless a file can be made at this path: before a long solve, not after.
+void ExpectWritable(const std::string& path);
+
+/// The ending without .gz: ".g2o".
+std::string Ending(const std::string& path);
+/// Throws Error (kUsage) unless the path ends in one of these.
+void ExpectEnding(const std::string& path, const char* option,
+                  const std::vector<std::string>& endings);
+
+/// Which file gets which family's trajectory: the path itself where there is one family of poses,
+/// else `out.robot1.tum`, `out.robot2.tum` for `out.tum`.  None for an empty path.
+std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::string& path,
+                                                                 const Graph& graph);
+
+/// "1234 se2/1, 20 point2/1": how many of each type.
+std::string CountVariables(const Graph& graph);
+std::string CountFactors(const Graph& graph);
+
+}  // namespace graticule::apps

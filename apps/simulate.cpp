@@ -1,0 +1,79 @@
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "graticule/factors/builtins.hpp"
+#include "graticule/io/file.hpp"
+#include "graticule/io/trajectory.hpp"
+#include "graticule/problems/bundle/simulate.hpp"
+#include "graticule/problems/pose_graph/simulate.hpp"
+#include "graticule/solver/provenance.hpp"
+#include "problem.hpp"
+
+namespace graticule::apps {
+namespace {
+
+void Write(const SimulateCommand& command, const Graph& graph, const Values& truth,
+           const std::vector<FactorId>& outliers, const std::string& title,
+           const Console& console) {
+  Recording recording(graph.Types());
+  recording.graph = graph;
+  recording.title = title;
+  recording.made_by =
+      fmt::format("graticule {} simulate {} --seed {}", Version(), command.kind, command.seed);
+  WriteOptions options;
+  options.binary = command.binary;
+  WriteProblem(command.output, recording, options);
+  if (!command.outliers.empty())
+    WriteFile(command.outliers, nlohmann::json(outliers).dump() + "\n");
+  if (Ending(command.truth) == ".tum") {
+    for (const auto& [path, family] : TrajectoryFiles(command.truth, graph))
+      WriteFile(path, FormatTum(Trajectory(graph, truth, family)));
+  } else if (!command.truth.empty()) {
+    recording.graph.SetValues(truth);
+    recording.title += ", the truth";
+    WriteProblem(command.truth, recording, options);
+  }
+  console.Note(fmt::format("{}: {} variables, {} factors ({})", command.output,
+                           graph.VariableCount(), graph.FactorCount(), CountFactors(graph)));
+}
+
+}  // namespace
+
+int Run(const SimulateCommand& command, const Console& console) {
+  const std::vector<std::string> problems = {".fg", ".g2o", ".graph", ".bal", ".txt"};
+  ExpectEnding(command.output, "-o", problems);
+  std::vector<std::string> truths = problems;
+  truths.emplace_back(".tum");
+  ExpectEnding(command.truth, "--truth", truths);
+  for (const std::string& path : {command.output, command.truth, command.outliers})
+    ExpectWritable(path);
+
+  if (command.kind == "bundle") {
+    RingOptions options;
+    options.cameras = command.cameras;
+    options.points = command.points;
+    options.seed = command.seed;
+    const SimulatedBundle world = SimulateRing(Builtins(), options);
+    Write(command, world.graph, world.truth, {}, "cameras on a ring round a cloud of points",
+          console);
+    return kDone;
+  }
+  CityOptions options;
+  options.dimension = command.dimension;
+  options.robots = command.robots;
+  options.poses_per_robot = command.poses;
+  options.landmarks = command.landmarks;
+  options.outlier_fraction = command.outlier_fraction;
+  options.seed = command.seed;
+  if (command.closures_per_pose >= 0) options.loops_per_pose = command.closures_per_pose;
+  const Simulated world = SimulateCity(Builtins(), options);
+  Write(command, world.graph, world.truth, world.outliers,
+        fmt::format("{} robots in a city of square blocks, {} poses each", command.robots,
+                    command.poses),
+        console);
+  return kDone;
+}
+
+}  // namespace graticule::apps

@@ -1,0 +1,205 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "graticule/io/file.hpp"
+#include "graticule/io/graph_plot.hpp"
+#include "graticule/io/report_html.hpp"
+#include "graticule/io/report_json.hpp"
+#include "graticule/io/svg.hpp"
+#include "graticule/io/trajectory.hpp"
+#include "graticule/problems/pose_graph/drawing.hpp"
+#include "graticule/solver/plugin.hpp"
+#include "graticule/solver/provenance.hpp"
+#include "graticule/solver/stopwatch.hpp"
+#include "marginals.hpp"
+#include "problem.hpp"
+
+namespace graticule::apps {
+namespace {
+
+void PrintSummary(const SolveCommand& command, const Graph& graph, const Report& report,
+                  const std::string& start) {
+  fmt::print("{}\n", command.file);
+  fmt::print("  variables  {} ({})\n", report.variables, CountVariables(graph));
+  fmt::print("  factors    {} ({})\n", report.factors, CountFactors(graph));
+  fmt::print("  start      {}\n", start);
+  fmt::print("  cost       {:.9g} -> {:.9g}  (0.5 r'Wr)", report.initial_cost, report.final_cost);
+  if (report.final_objective != report.final_cost)
+    fmt::print(", with losses {:.9g}", report.final_objective);
+  if (report.degrees_of_freedom > 0)
+    fmt::print(", chi2 {:.6g} over {} degrees of freedom: {:.4g} each", report.Chi2(),
+               report.degrees_of_freedom, report.ReducedChi2());
+  fmt::print("\n  ended      {} after {} iterations: {}\n", ToString(report.termination),
+             report.Steps(), report.message);
+  const Timing& t = report.timing;
+  fmt::print(
+      "  time       load {}, initialise {}, build {}, solve {} (linear {}, evaluate {}), write {}, "
+      "total {}\n",
+      Seconds(t.load.wall), Seconds(t.initialise.wall), Seconds(t.build.wall),
+      Seconds(t.solve.wall), Seconds(t.linear_solve), Seconds(t.evaluate), Seconds(t.write.wall),
+      Seconds(t.total.wall));
+  if (!report.anchors.empty()) {
+    fmt::print("  held       ");
+    for (std::size_t i = 0; i < std::min<std::size_t>(report.anchors.size(), 5); ++i)
+      fmt::print("{} ", report.anchors[i]);
+    fmt::print("{}(nothing else says where the graph is)\n",
+               report.anchors.size() > 5 ? "... " : "");
+  }
+  for (const std::string& warning : report.warnings) fmt::print("  warning    {}\n", warning);
+  if (!report.worst.empty()) fmt::print("  worst      chi2 (residuals)\n");
+  for (const WorstFactor& worst : report.worst) {
+    std::string keys;
+    for (std::size_t i = 0; i < std::min<std::size_t>(worst.keys.size(), 4); ++i)
+      keys += (i ? " " : "") + worst.keys[i].ToString();
+    fmt::print("             {:<10.5g} ({})  {} {}{}{}\n", worst.chi2, worst.residuals, worst.type,
+               keys, worst.keys.size() > 4 ? " ..." : "",
+               worst.source.empty() ? "" : ", " + worst.source);
+  }
+}
+
+// What a solved problem says of its solution, on one line.
+std::string SolutionLine(const Report& report) {
+  return nlohmann::ordered_json({{"termination", ToString(report.termination)},
+                                 {"iterations", report.Steps()},
+                                 {"initial_cost", report.initial_cost},
+                                 {"final_cost", report.final_cost},
+                                 {"final_objective", report.final_objective}})
+      .dump();
+}
+
+// Every output is tried, also after one failed: a full disk for the plot must not cost the
+// solution.
+class Outputs {
+ public:
+  explicit Outputs(const Console& console) : console_(console) {}
+
+  template <class Write>
+  void Try(const std::string& path, const Write& write) {
+    if (path.empty()) return;
+    try {
+      write();
+      written_.push_back(path);
+    } catch (const graticule::Error& error) {
+      console_.Error(error.what());
+      if (failure_ == kDone) failure_ = ExitOf(error.Kind());
+    }
+  }
+  Exit Failure() const { return failure_; }
+  const std::vector<std::string>& Written() const { return written_; }
+
+ private:
+  const Console& console_;
+  Exit failure_ = kDone;
+  std::vector<std::string> written_;
+};
+
+void CheckOutputs(const SolveCommand& command) {
+  ExpectEnding(command.output, "-o", {".fg", ".g2o", ".graph", ".bal", ".txt"});
+  ExpectEnding(command.report, "--report", {".html", ".json"});
+  ExpectEnding(command.plot, "--plot", {".svg", ".png"});
+  ExpectEnding(command.marginals_output, "--marginals-output", {".json"});
+  if (!command.marginals_output.empty() && command.marginals.empty())
+    throw Error("--marginals-output needs --marginals", ErrorKind::kUsage);
+  for (const std::string& path :
+       {command.output, command.report, command.plot, command.trajectory, command.marginals_output})
+    ExpectWritable(path);
+}
+
+}  // namespace
+
+int Run(const SolveCommand& command, const Console& console) {
+  const Stopwatch total;
+  CheckOutputs(command);
+  const Configuration configuration = Choose(command.choosing);
+  const Registry types = LoadTypes(command.reading);
+
+  Stopwatch clock;
+  Recording recording = Load(command.file, command.reading, types, console);
+  const PhaseTime load = clock.Lap();
+  Graph& graph = recording.graph;
+  const std::vector<Key> marginal_keys = ReadKeys(command.marginals, graph);
+
+  const InitialiseReport start =
+      Initialise(&graph, configuration.initialise.initialise, recording.has_initial_guess);
+  const PhaseTime initialise = clock.Lap();
+  const Values before = graph.InitialValues();
+
+  Solution solution = [&] {
+    const Interruptible interruptible;
+    return Solve(graph, configuration.solve, Watch(console, command.file));
+  }();
+  console.Progress("");
+  Report& report = solution.report;
+  report.timing.load = load;
+  report.timing.initialise = initialise;
+  if (report.termination == Termination::kFailed) {
+    console.Error(command.file + ": " + report.message);
+    return kOtherFailure;
+  }
+  graph.SetValues(solution.values);
+
+  MarginalsResult marginals;
+  if (!marginal_keys.empty()) marginals = FindMarginals(graph, solution.values, marginal_keys);
+
+  ReportContext context;
+  context.file = command.file;
+  context.configuration = configuration.name;
+  context.initialisation = start.summary;
+  recording.has_initial_guess = true;
+  recording.solved_by = fmt::format("graticule {}, ceres {}: {}", Version(),
+                                    report.provenance.size() > 1 ? report.provenance[1].second : "",
+                                    ToString(report.termination));
+  clock.Restart();
+  Outputs outputs(console);
+  outputs.Try(command.output, [&] {
+    WriteOptions options;
+    options.binary = command.binary;
+    recording.report = SolutionLine(report);
+    for (const std::string& note : WriteProblem(command.output, recording, options))
+      console.Note(command.output + ": " + note);
+  });
+  for (const auto& [path, family] : TrajectoryFiles(command.trajectory, graph))
+    outputs.Try(path, [&, path = path, family = family] {
+      WriteFile(path, FormatTum(Trajectory(graph, solution.values, family)));
+    });
+  std::string drawing;
+  if (!command.plot.empty() || Ending(command.report) == ".html")
+    drawing = DrawGraph(PlotOf(graph, before, solution.values, command.file));
+  outputs.Try(command.plot, [&] {
+    WriteFile(command.plot, Ending(command.plot) == ".svg" ? drawing : PngFromSvg(drawing, 1600));
+  });
+  outputs.Try(command.marginals_output, [&] {
+    WriteFile(command.marginals_output, MarginalsJson(marginals).dump(1) + "\n");
+  });
+  report.timing.write = clock.Elapsed();
+  report.timing.total = total.Elapsed();
+  context.peak_memory_bytes = PeakMemory();
+  context.outputs = outputs.Written();
+  outputs.Try(command.report, [&] {
+    WriteFile(command.report, Ending(command.report) == ".html"
+                                  ? ReportHtml(report, context, drawing)
+                                  : ReportJson(report, context) + "\n");
+  });
+
+  if (command.json) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::parse(ReportJson(report, context));
+    if (!marginal_keys.empty()) json["marginals"] = MarginalsJson(marginals);
+    fmt::print("{}\n", json.dump(1));
+  } else {
+    PrintSummary(command, graph, report, start.summary);
+    if (!marginal_keys.empty()) PrintMarginals(marginals);
+    for (const std::string& path : outputs.Written()) fmt::print("  wrote      {}\n", path);
+  }
+  if (!marginals.diagnosis.empty()) {
+    console.Error(command.file + ": no marginals: " + marginals.diagnosis);
+    return kIllPosed;
+  }
+  if (outputs.Failure() != kDone) return outputs.Failure();
+  return ExitOf(report.termination);
+}
+
+}  // namespace graticule::apps
