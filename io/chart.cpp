@@ -142,7 +142,8 @@ void DrawCurve(const Curve& curve, std::size_t number, const Area& area, const A
   if (curve.points.size() > kMostMarkers) return;
   for (const Curve::Point& point : curve.points)
     if (Usable(point.x, x_axis.logarithmic) && Usable(point.y, y_axis.logarithmic))
-      svg->Circle(area.X(x_axis, point.x), area.Y(y_axis, point.y), 3, plot::SeriesFill(number),
+      svg->Circle(area.X(x_axis, point.x), area.Y(y_axis, point.y),
+                  curve.points.size() > 30 ? 2.2 : 3, plot::SeriesFill(number),
                   (curve.name.empty() ? "" : curve.name + ": ") + ReadableNumber(point.x, 6) +
                       ", " + ReadableNumber(point.y, 7));
 }

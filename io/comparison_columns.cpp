@@ -21,7 +21,7 @@ enum class Contest {
 struct Definition {
   const char* name;
   const char* hint;
-  bool narrow;
+  bool main;
   Contest contest;
   double tie;  // relative: values this close are equally good
   double (*value)(const ComparisonRun&);
@@ -78,7 +78,7 @@ constexpr Definition kDefinitions[] = {
      Bytes},
     {"ATE", "absolute trajectory error", true, Contest::kAll, 1e-4,
      [](const Run& run) { return run.ate_m.value_or(kNone); }, Metres},
-    {"RPE", "relative pose error", false, Contest::kAll, 1e-4,
+    {"RPE", "relative pose error", true, Contest::kAll, 1e-4,
      [](const Run& run) { return run.rpe_m.value_or(kNone); }, Metres},
 };
 
@@ -89,7 +89,7 @@ bool Competes(const Run& run, Contest contest) {
 
 // Columns that nobody fills are empty in `cells`.
 ComparisonColumn Fill(const Definition& definition, const std::vector<const Run*>& runs) {
-  ComparisonColumn column{definition.name, definition.hint, true, definition.narrow, {}};
+  ComparisonColumn column{definition.name, definition.hint, true, definition.main, {}};
   bool filled = false;
   double best = std::numeric_limits<double>::infinity();
   int competitors = 0;
@@ -139,7 +139,7 @@ std::vector<ComparisonBlock> ComparisonBlocks(const Comparison& comparison) {
       if (!column.cells.empty()) block.columns.push_back(std::move(column));
     }
     block.columns.push_back(Text("end", block.runs, [](const Run& run) {
-      if (!run.error.empty()) return ComparisonCell{run.error, false, true};
+      if (!run.error.empty()) return ComparisonCell{"failed", false, true};
       const bool bad = VerdictClass(run.report.termination) != "good";
       return ComparisonCell{VerdictText(run.report.termination), false, bad};
     }));

@@ -16,17 +16,21 @@ namespace {
 /// nothing to see.
 constexpr double kFloor = 1e-9;
 
-std::string Table(const ComparisonBlock& block) {
+// The columns of the first rank, or the configuration and those of the second; empty if there are
+// none.
+std::string Table(const ComparisonBlock& block, bool main) {
   std::vector<html::Column> columns;
   std::vector<std::vector<html::Cell>> rows(block.runs.size());
   for (const ComparisonColumn& column : block.columns) {
+    const bool first = &column == &block.columns.front();
+    if (!first && column.main != main) continue;
     columns.push_back({column.name, column.number, column.hint});
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const ComparisonCell& cell = column.cells[i];
-      rows[i].push_back({cell.text, cell.best ? "best" : cell.bad ? "bad" : ""});
+      rows[i].push_back({cell.text, cell.best ? "best" : cell.bad ? "bad" : first ? "name" : ""});
     }
   }
-  return html::Table(columns, rows);
+  return columns.size() > 1 ? html::Table(columns, rows) : std::string();
 }
 
 // Objective above the lowest one anybody reached, against the time since the solve began.
@@ -49,15 +53,15 @@ std::string Convergence(const ComparisonBlock& block) {
   chart.width = 1140;
   chart.height = 400;
   for (const ComparisonRun* run : block.runs) {
+    if (!run->error.empty()) continue;
     Curve curve{run->configuration, {}};
-    if (run->error.empty())
-      for (const Iteration& step : run->report.iterations)
-        if (step.accepted)
-          curve.points.push_back({step.seconds, std::max(step.objective - best, floor)});
+    for (const Iteration& step : run->report.iterations)
+      if (step.accepted)
+        curve.points.push_back({step.seconds, std::max(step.objective - best, floor)});
     chart.curves.push_back(std::move(curve));
   }
   return html::Figure(DrawCurves(chart)) +
-         html::Paragraph("Differences below " + ReadableNumber(floor, 2) + " are drawn there.",
+         html::Paragraph("Differences below " + ReadableNumber(floor, 2) + " are drawn as that.",
                          "soft");
 }
 
@@ -67,6 +71,14 @@ std::string Phases(const ComparisonBlock& block) {
     if (run->error.empty()) runs.emplace_back(run->configuration, run->median);
   return runs.empty() ? std::string()
                       : html::Figure(DrawPhases("Wall time by phase, median", runs, 1140));
+}
+
+std::string Errors(const ComparisonBlock& block) {
+  std::string errors;
+  for (const ComparisonRun* run : block.runs)
+    if (!run->error.empty())
+      errors += html::Paragraph(run->configuration + " failed: " + run->error);
+  return errors;
 }
 
 std::string SizeOf(const ComparisonBlock& block) {
@@ -89,9 +101,13 @@ std::string ComparisonHtml(const Comparison& comparison) {
     failed += run.error.empty() ? 0 : 1;
     repeats = std::max(repeats, run.repeats);
   }
-  for (const ComparisonBlock& block : blocks)
-    body += html::Section(block.file,
-                          SizeOf(block) + Table(block) + Convergence(block) + Phases(block));
+  for (const ComparisonBlock& block : blocks) {
+    const std::string more = Table(block, false);
+    body += html::Section(
+        block.file, SizeOf(block) + Table(block, true) + Errors(block) +
+                        (more.empty() ? "" : html::Details("More times", more)) +
+                        Convergence(block) + Phases(block));
+  }
   if (!comparison.provenance.empty()) {
     std::vector<std::vector<html::Cell>> rows;
     for (const auto& [name, value] : comparison.provenance) rows.push_back({{name}, {value, "key"}});

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kWidest = 120, kGap = 2, kWidestName = 32;
 
 // Columns given up first where the table is too wide.
-constexpr const char* kExpendable[] = {"linear", "CPU", "gap", "ATE", "memory"};
+constexpr const char* kExpendable[] = {"linear", "RPE", "CPU", "solve", "memory", "ATE", "gap"};
 
 // One line, at most `width` columns of the terminal; control characters become spaces.
 std::string Clip(const std::string& text, std::size_t width) {
@@ -57,7 +57,7 @@ std::size_t TableWidth(const std::vector<ComparisonColumn>& columns) {
 std::string Table(const ComparisonBlock& block, bool colour) {
   std::vector<ComparisonColumn> columns;
   for (const ComparisonColumn& column : block.columns)
-    if (column.narrow) columns.push_back(column);
+    if (column.main) columns.push_back(column);
   for (const char* name : kExpendable) {
     if (TableWidth(columns) <= kWidest) break;
     columns.erase(std::remove_if(columns.begin(), columns.end(),
@@ -85,9 +85,8 @@ std::string Table(const ComparisonBlock& block, bool colour) {
   }
   std::string table = Coloured(Clip(block.file, kWidest), "1", colour) + "\n";
   table += Coloured(head, "2", colour) + "\n" + body;
-  // A failure's reason does not fit into a column.
   for (const ComparisonRun* run : block.runs)
-    if (DisplayWidth(run->error) > kWidestName)
+    if (!run->error.empty())
       table += Clip(run->configuration, kWidestName) + ": " +
                Clip(run->error, kWidest - kWidestName - 2) + "\n";
   return table;

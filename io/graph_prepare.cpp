@@ -67,14 +67,14 @@ Loops SortLoops(const std::vector<Edge>& edges) {
     const double size = PerResidual(edge);
     if (std::isfinite(size) && size > 0) sizes.push_back(size);
   }
-  // 1 is what the noise expects.  The bar always reaches it, so that a colour is never alarming
-  // where nothing is wrong.
-  double high = 1, low = 1e-2;
+  // 1 is what the noise expects.  The bar always reaches far beyond it, so that a colour is never
+  // alarming where nothing is wrong; and does not follow the small ones down, which say little.
+  double high = 100, low = 0.1;
   if (!sizes.empty()) {
-    const auto fifth = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 20);
-    std::nth_element(sizes.begin(), fifth, sizes.end());
-    low = *fifth;
-    high = std::max(1.0, *std::max_element(sizes.begin(), sizes.end()));
+    const auto median = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), median, sizes.end());
+    low = std::min(low, *median);
+    high = std::max(high, *std::max_element(sizes.begin(), sizes.end()));
   }
   high = std::pow(10, std::ceil(std::log10(high) - 1e-9));
   low = std::pow(10, std::floor(std::log10(std::clamp(low, high * 1e-6, high * 1e-2)) + 1e-9));

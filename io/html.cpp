@@ -30,9 +30,10 @@ margin:18px 0 0}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;width:100%;font-size:13px;margin:6px 0 12px}
 th{text-align:left;color:var(--soft);font-weight:normal;font-size:12px;vertical-align:bottom}
-th,td{padding:4px 10px 4px 0;border-bottom:1px solid var(--line)}
+th,td{padding:4px 8px 4px 6px;border-bottom:1px solid var(--line)}
 td{overflow-wrap:anywhere}
 .number{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}
+td.name{white-space:nowrap}
 td.best{font-weight:bold;color:var(--good)}
 td.bad{color:var(--bad)}
 td.key{font-family:"DejaVu Sans Mono",Menlo,Consolas,monospace;font-size:12px}

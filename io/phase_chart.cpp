@@ -12,6 +12,13 @@ struct Phase {
   double (*seconds)(const Timing&);
 };
 
+// What no phase accounts for, where it is more than the timers' own noise.
+double Other(const Timing& t) {
+  const double rest = t.total.wall - t.load.wall - t.initialise.wall - t.build.wall -
+                      t.solve.wall - t.write.wall;
+  return rest > 0.01 * t.total.wall ? rest : 0;
+}
+
 constexpr Phase kPhases[] = {
     {"load", [](const Timing& t) { return t.load.wall; }},
     {"initialise", [](const Timing& t) { return t.initialise.wall; }},
@@ -22,6 +29,7 @@ constexpr Phase kPhases[] = {
     {"rest of solve",
      [](const Timing& t) { return t.solve.wall - t.preprocess - t.evaluate - t.linear_solve; }},
     {"write", [](const Timing& t) { return t.write.wall; }},
+    {"other", Other},
 };
 
 }  // namespace

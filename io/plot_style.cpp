@@ -16,14 +16,15 @@ struct Colour {
   const char* dark;
 };
 
-enum Name : std::size_t { kBlue, kGreen, kPink, kSky, kGrey, kOlive, kVermilion, kOrange };
+enum Name : std::size_t { kBlue, kGreen, kPink, kSky, kGrey, kOlive, kVermilion, kOrange, kPale };
 
 constexpr Colour kColours[] = {{"#0072b2", "#4aa3e0"}, {"#009e73", "#2cc79b"},
                                {"#cc79a7", "#e39cc3"}, {"#56b4e9", "#9ad5f7"},
                                {"#5b5f66", "#b4bac4"}, {"#7d6a00", "#c2ac3a"},
-                               {"#d55e00", "#f2833a"}, {"#e69f00", "#f3bc45"}};
+                               {"#d55e00", "#f2833a"}, {"#e69f00", "#f3bc45"},
+                               {"#b9bfc8", "#59606b"}};
 constexpr std::size_t kSeries[] = {kBlue,   kVermilion, kGreen, kOrange,
-                                   kPink,   kSky,       kGrey,  kOlive};
+                                   kPink,   kSky,       kGrey,  kOlive, kPale};
 constexpr std::size_t kGroups[] = {kBlue, kGreen, kSky, kOlive, kPink};
 
 // Inferno (Smith, van der Walt; CC0), which rises evenly in lightness; without the ends that
@@ -175,13 +176,9 @@ Axis LogAxis(double low, double high, int count) {
   int first = static_cast<int>(std::floor(std::log10(low) + 1e-9));
   int last = static_cast<int>(std::ceil(std::log10(high) - 1e-9));
   if (last == first) ++last;
-  axis.low = std::pow(10, first);
-  axis.high = std::pow(10, last);
-  if (narrow) {
-    axis.low = std::min(low, RoundDown(low));
-    axis.high = RoundDown(high) >= high * 0.9999 ? RoundDown(high) : RoundDown(high * 2.5);
-    if (axis.high < high) axis.high = high;
-  }
+  axis.low = RoundDown(low * 1.000001);
+  axis.high = RoundDown(high * 1.000001);
+  if (axis.high < high * 0.9999) axis.high = RoundDown(axis.high * 2.500001);
   const int every = std::max(1, (last - first + count - 1) / count);
   for (int exponent = first; exponent <= last; ++exponent)
     for (const int lead : {1, 2, 5}) {
