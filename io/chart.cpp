@@ -29,8 +29,11 @@ struct Range {
   bool Empty() const { return low > high; }
 };
 
+// Beyond these, differences and powers of ten leave the range of a double.
+constexpr double kLeast = 1e-300, kMost = 1e300;
+
 bool Usable(double value, bool logarithmic) {
-  return std::isfinite(value) && (!logarithmic || value > 0);
+  return std::fabs(value) <= kMost && (!logarithmic || value >= kLeast);
 }
 
 // Whether an axis is logarithmic, and its ticks.
@@ -41,13 +44,12 @@ Axis MakeAxis(const CurveChart& chart, AxisScale scale, bool is_x, int count) {
       const double value = is_x ? point.x : point.y;
       if (!Usable(value, false)) continue;
       all.Add(value);
-      if (value > 0) positive.Add(value);
+      if (Usable(value, true)) positive.Add(value);
     }
   if (all.Empty()) return plot::LinearAxis(0, 1, count);
   const bool wide = all.low > 0 && all.high > 100 * all.low;
-  const bool logarithmic =
-      !positive.Empty() &&
-      (scale == AxisScale::kLogarithmic || (scale == AxisScale::kAutomatic && wide));
+  const bool logarithmic = !positive.Empty() && (scale == AxisScale::kLogarithmic ||
+                                                 (scale == AxisScale::kAutomatic && wide));
   if (logarithmic) return plot::LogAxis(positive.low, positive.high, count);
   if (!is_x || !chart.whole_x) return plot::LinearAxis(all.low, all.high, count);
   Axis axis = plot::LinearAxis(all.low, std::max(all.high, all.low + 1), count);
@@ -85,8 +87,7 @@ double DrawLegend(const std::vector<std::string>& names, bool lines, double left
 double DrawTitle(const std::string& title, double width, Svg* svg) {
   if (title.empty()) return 8;
   if (svg)
-    svg->Text(kMargin, 22, plot::Shorten(title, width - 2 * kMargin, 14),
-              plot::Ink(14, {}, true));
+    svg->Text(kMargin, 22, plot::Shorten(title, width - 2 * kMargin, 14), plot::Ink(14, {}, true));
   return 38;
 }
 
@@ -113,16 +114,15 @@ void DrawGrid(const CurveChart& chart, const Area& area, const Axis& x_axis, con
   for (const plot::Tick& tick : y_axis.ticks) {
     const double y = area.Y(y_axis, tick.value);
     svg->Line(area.left, y, area.right, y, plot::Grid());
-    if (!tick.label.empty())
-      svg->Text(area.left - 7, y + 4, tick.label, plot::SoftInk(11, "end"));
+    if (!tick.label.empty()) svg->Text(area.left - 7, y + 4, tick.label, plot::SoftInk(11, "end"));
   }
   svg->Rect(area.left, area.top, area.right - area.left, area.bottom - area.top, plot::Frame());
   svg->Text(0.5 * (area.left + area.right), area.bottom + 36, chart.x_label,
             plot::Ink(11.5, "middle"));
   Attributes turned = plot::Ink(11.5, "middle");
   const double middle = 0.5 * (area.top + area.bottom);
-  turned.emplace_back("transform", "rotate(-90 " + SvgNumber(kMargin + 8) + " " +
-                                       SvgNumber(middle) + ")");
+  turned.emplace_back("transform",
+                      "rotate(-90 " + SvgNumber(kMargin + 8) + " " + SvgNumber(middle) + ")");
   svg->Text(kMargin + 8, middle, chart.y_label, turned);
 }
 

@@ -131,9 +131,8 @@ std::vector<ComparisonBlock> ComparisonBlocks(const Comparison& comparison) {
     block->runs.push_back(&run);
   }
   for (ComparisonBlock& block : blocks) {
-    block.columns.push_back(Text("configuration", block.runs, [](const Run& run) {
-      return ComparisonCell{run.configuration};
-    }));
+    block.columns.push_back(Text("configuration", block.runs,
+                                 [](const Run& run) { return ComparisonCell{run.configuration}; }));
     for (const Definition& definition : kDefinitions) {
       ComparisonColumn column = Fill(definition, block.runs);
       if (!column.cells.empty()) block.columns.push_back(std::move(column));

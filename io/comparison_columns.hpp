@@ -17,7 +17,7 @@ struct ComparisonCell {
 struct ComparisonColumn {
   std::string name, hint;
   bool number = true;
-  bool main = true;  ///< of the first rank: shown on a terminal too
+  bool main = true;                   ///< of the first rank: shown on a terminal too
   std::vector<ComparisonCell> cells;  ///< one for each run
 };
 

@@ -103,25 +103,25 @@ std::string ComparisonHtml(const Comparison& comparison) {
   }
   for (const ComparisonBlock& block : blocks) {
     const std::string more = Table(block, false);
-    body += html::Section(
-        block.file, SizeOf(block) + Table(block, true) + Errors(block) +
-                        (more.empty() ? "" : html::Details("More times", more)) +
-                        Convergence(block) + Phases(block));
+    body += html::Section(block.file, SizeOf(block) + Table(block, true) + Errors(block) +
+                                          (more.empty() ? "" : html::Details("More times", more)) +
+                                          Convergence(block) + Phases(block));
   }
   if (!comparison.provenance.empty()) {
     std::vector<std::vector<html::Cell>> rows;
-    for (const auto& [name, value] : comparison.provenance) rows.push_back({{name}, {value, "key"}});
-    body += html::Section("Provenance",
-                          html::Table({{"name", false}, {"value", false}}, rows));
+    for (const auto& [name, value] : comparison.provenance)
+      rows.push_back({{name}, {value, "key"}});
+    body += html::Section("Provenance", html::Table({{"name", false}, {"value", false}}, rows));
   }
   std::string line = ReadableCount(comparison.runs.size()) + " runs on " +
                      ReadableCount(blocks.size()) + (blocks.size() == 1 ? " problem" : " problems");
-  if (repeats > 1) line += ", up to " + ReadableCount(repeats) + " repeats each (times are medians)";
+  if (repeats > 1)
+    line += ", up to " + ReadableCount(repeats) + " repeats each (times are medians)";
   if (failed) line += ", " + ReadableCount(failed) + " failed";
   const std::string header =
       "<h1>Comparison</h1>\n" + html::Paragraph(line, "soft") +
-      html::Paragraph("Best of each column in bold; times and memory among the runs that converged.",
-                      "soft");
+      html::Paragraph(
+          "Best of each column in bold; times and memory among the runs that converged.", "soft");
   return html::Page("Graticule comparison", header, body);
 }
 

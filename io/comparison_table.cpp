@@ -103,8 +103,10 @@ std::string ComparisonTable(const Comparison& comparison, bool colour) {
     for (const ComparisonColumn& column : block.columns)
       for (const ComparisonCell& cell : column.cells) starred = starred || cell.best;
   }
-  if (starred) out += Coloured("* best of its column; times and memory: of those that converged",
-                               "2", colour) + "\n";
+  if (starred)
+    out +=
+        Coloured("* best of its column; times and memory: of those that converged", "2", colour) +
+        "\n";
   return out;
 }
 

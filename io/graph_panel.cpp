@@ -50,9 +50,7 @@ class Panel {
             0.5 * drawing_.panel_height - std::clamp(y, -kFar, kFar)};
   }
 
-  bool Drawable(const Edge& edge) const {
-    return Finite(nodes_[edge.a]) && Finite(nodes_[edge.b]);
-  }
+  bool Drawable(const Edge& edge) const { return Finite(nodes_[edge.a]) && Finite(nodes_[edge.b]); }
 
   PathData Segments(const std::vector<std::uint32_t>& edges) const {
     PathData path(drawing_.decimals);
@@ -100,7 +98,8 @@ class Panel {
     const double width = drawing_.poses < 300 ? 2 : drawing_.poses < 5000 ? 1.3 : 1;
     std::vector<PathData> dots(groups, PathData(drawing_.decimals));
     for (std::uint32_t i = 0; i < nodes_.size(); ++i)
-      if (!drawing_.is_landmark[i] && Finite(nodes_[i]) && (drawing_.poses < 300 || !on_a_line[i])) {
+      if (!drawing_.is_landmark[i] && Finite(nodes_[i]) &&
+          (drawing_.poses < 300 || !on_a_line[i])) {
         const auto [x, y] = Place(i);
         dots[std::min<std::size_t>(nodes_[i].group, groups - 1)].Dot(x, y);
       }
@@ -123,7 +122,10 @@ class Panel {
         dots.Dot(x, y);
       }
     const std::size_t count = drawing_.graph.landmarks.size();
-    svg->Path(dots, MarkStroke(count < 500 ? 4 : count < 5000 ? 2.5 : 1.2),
+    svg->Path(dots,
+              MarkStroke(count < 500    ? 4
+                         : count < 5000 ? 2.5
+                                        : 1.2),
               ReadableCount(count) + " landmarks");
   }
 
@@ -139,9 +141,9 @@ class Panel {
       ring[0].second += " " + GroupStroke(group, 2)[0].second;
       ring[2] = GroupStroke(group, 2)[1];
       ring.emplace_back("stroke-width", "2");
-      svg->Circle(x, y, 4.5, ring, "start of " + (drawing_.graph.groups.empty()
-                                                      ? std::string("the trajectory")
-                                                      : drawing_.graph.groups[group]));
+      svg->Circle(x, y, 4.5, ring,
+                  "start of " + (drawing_.graph.groups.empty() ? std::string("the trajectory")
+                                                               : drawing_.graph.groups[group]));
     }
   }
 

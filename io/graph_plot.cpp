@@ -57,8 +57,7 @@ void DrawColourBar(const plot::Loops& loops, double left, double top, Svg* svg) 
   for (const plot::Tick& tick : loops.scale.ticks) {
     const double x = left + loops.scale.Place(tick.value) * kBarWidth;
     svg->Line(x, top + 27, x, top + 30, plot::MarkStroke(1));
-    if (!tick.label.empty())
-      svg->Text(x, top + 41, tick.label, plot::SoftInk(10.5, "middle"));
+    if (!tick.label.empty()) svg->Text(x, top + 41, tick.label, plot::SoftInk(10.5, "middle"));
   }
 }
 
@@ -117,8 +116,7 @@ double DrawLegend(const GraphDrawing& drawing, double top, Svg* svg) {
     legend.Line("and " + std::to_string(graph.groups.size() - kMost) + " more",
                 plot::GroupStroke(kMost, 2.5));
   if (drawing.poses != 0) legend.Ring("start");
-  if (!graph.landmarks.empty())
-    legend.Dot(ReadableCount(graph.landmarks.size()) + " landmarks");
+  if (!graph.landmarks.empty()) legend.Dot(ReadableCount(graph.landmarks.size()) + " landmarks");
   if (svg && has_loops) DrawColourBar(drawing.loops, bar_left, top, svg);
   return std::max(legend.Height(), has_loops ? 46.0 : 0.0);
 }

@@ -121,8 +121,9 @@ double GraphDrawing::PixelsPerMetre() const {
 GraphDrawing PrepareGraph(const GraphPlot& graph) {
   const std::size_t nodes = graph.after.size();
   if (!graph.before.empty() && graph.before.size() != nodes)
-    throw Error(fmt::format("plot of a graph: {} nodes before, {} after", graph.before.size(), nodes),
-                ErrorKind::kOther);
+    throw Error(
+        fmt::format("plot of a graph: {} nodes before, {} after", graph.before.size(), nodes),
+        ErrorKind::kOther);
   GraphDrawing drawing{graph, SortLoops(graph.edges), Window(graph), std::vector<char>(nodes), {}};
   const auto check = [&](std::uint32_t node) {
     if (node >= nodes)

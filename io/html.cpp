@@ -133,8 +133,7 @@ std::string List(const std::vector<std::string>& items) {
   return list + "</ul>\n";
 }
 
-std::string Page(std::string_view title, std::string_view header_html,
-                 std::string_view body_html) {
+std::string Page(std::string_view title, std::string_view header_html, std::string_view body_html) {
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"

@@ -13,13 +13,13 @@ namespace html {
 struct Cell {
   std::string text = {};
   std::string css = {};  ///< classes: "best", "bad"; may be empty
-  double bar = -1;  ///< 0..1: a bar of this length behind the text; below 0: none
+  double bar = -1;       ///< 0..1: a bar of this length behind the text; below 0: none
 };
 
 struct Column {
   std::string name;
-  bool number = false;  ///< set to the right, in even digits
-  std::string hint = {};     ///< shown while the pointer rests on the heading
+  bool number = false;    ///< set to the right, in even digits
+  std::string hint = {};  ///< shown while the pointer rests on the heading
 };
 
 std::string Table(const std::vector<Column>& columns, const std::vector<std::vector<Cell>>& rows);

@@ -14,8 +14,8 @@ struct Phase {
 
 // What no phase accounts for, where it is more than the timers' own noise.
 double Other(const Timing& t) {
-  const double rest = t.total.wall - t.load.wall - t.initialise.wall - t.build.wall -
-                      t.solve.wall - t.write.wall;
+  const double rest =
+      t.total.wall - t.load.wall - t.initialise.wall - t.build.wall - t.solve.wall - t.write.wall;
   return rest > 0.01 * t.total.wall ? rest : 0;
 }
 

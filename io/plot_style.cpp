@@ -18,13 +18,12 @@ struct Colour {
 
 enum Name : std::size_t { kBlue, kGreen, kPink, kSky, kGrey, kOlive, kVermilion, kOrange, kPale };
 
-constexpr Colour kColours[] = {{"#0072b2", "#4aa3e0"}, {"#009e73", "#2cc79b"},
-                               {"#cc79a7", "#e39cc3"}, {"#56b4e9", "#9ad5f7"},
-                               {"#5b5f66", "#b4bac4"}, {"#7d6a00", "#c2ac3a"},
-                               {"#d55e00", "#f2833a"}, {"#e69f00", "#f3bc45"},
-                               {"#b9bfc8", "#59606b"}};
-constexpr std::size_t kSeries[] = {kBlue,   kVermilion, kGreen, kOrange,
-                                   kPink,   kSky,       kGrey,  kOlive, kPale};
+constexpr Colour kColours[] = {
+    {"#0072b2", "#4aa3e0"}, {"#009e73", "#2cc79b"}, {"#cc79a7", "#e39cc3"},
+    {"#56b4e9", "#9ad5f7"}, {"#5b5f66", "#b4bac4"}, {"#7d6a00", "#c2ac3a"},
+    {"#d55e00", "#f2833a"}, {"#e69f00", "#f3bc45"}, {"#b9bfc8", "#59606b"}};
+constexpr std::size_t kSeries[] = {kBlue, kVermilion, kGreen, kOrange, kPink,
+                                   kSky,  kGrey,      kOlive, kPale};
 constexpr std::size_t kGroups[] = {kBlue, kGreen, kSky, kOlive, kPink};
 
 // Inferno (Smith, van der Walt; CC0), which rises evenly in lightness; without the ends that
@@ -40,7 +39,9 @@ constexpr Colour kPaper = {"#ffffff", "#14171c"};
 constexpr Colour kFrame = {"#b9bfc8", "#444b55"};
 constexpr Colour kGrid = {"#e4e7eb", "#2a3038"};
 
-std::string Indexed(const char* prefix, std::size_t index) { return prefix + std::to_string(index); }
+std::string Indexed(const char* prefix, std::size_t index) {
+  return prefix + std::to_string(index);
+}
 
 Attributes Text(const Colour& colour, const char* css, double size, std::string_view anchor) {
   return {{"class", css},
@@ -121,8 +122,8 @@ std::string Shorten(std::string_view text, double width, double size) {
     return (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80;
   };
   std::size_t length = text.size();
-  while (length > 0 && TextWidth(text.substr(0, length), size) + size > width)
-    do --length;
+  while (length > 0 && TextWidth(text.substr(0, length), size) + size > width) do
+      --length;
     while (length > 0 && continues(length));
   return std::string(text.substr(0, length)) + "…";
 }
@@ -138,7 +139,7 @@ double RoundDown(double value) {
 }
 
 Axis LinearAxis(double low, double high, int count) {
-  if (!(high > low)) {
+  if (!(high - low > 1e-12 * std::max(std::fabs(low), std::fabs(high)))) {
     const double margin = std::max(std::fabs(low) * 0.1, 1e-12);
     low -= margin;
     high += margin;
@@ -151,14 +152,12 @@ Axis LinearAxis(double low, double high, int count) {
   const auto steps = std::llround((axis.high - axis.low) / step);
   // Neighbouring labels must differ: as many digits as the step asks for.
   const double size = std::max(std::fabs(axis.low), std::fabs(axis.high));
-  const int digits =
-      std::clamp(static_cast<int>(std::ceil(std::log10(size / step) - 1e-9)) + 1, 2, 12);
+  const int digits = std::max(2, static_cast<int>(std::ceil(std::log10(size / step) - 1e-9)) + 1);
+  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+  const bool plain = (size < 1e7 && step > 1e-5) || digits > 6;
   for (long long i = 0; i <= steps; ++i) {
     double value = axis.low + static_cast<double>(i) * step;
     if (std::fabs(value) < step * 1e-6) value = 0;
-    const double value_size = std::fabs(value);
-    const bool plain = value == 0 || (value_size >= 1e-4 && size < 1e7);
-    const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
     axis.ticks.push_back(
         {value, plain ? fmt::format("{:.{}f}", value, decimals) : ReadableNumber(value, digits)});
   }

@@ -22,8 +22,8 @@ constexpr std::size_t kRampSteps = 9;
 /// Colours that stay apart for colour-blind eyes (Okabe and Ito 2008), for series of a chart.
 Attributes SeriesStroke(std::size_t series, double width);
 Attributes SeriesFill(std::size_t series);
-/// The same for groups of a graph: none of the ramp's reds and yellows.  Repeats after five colours,
-/// with dashes.
+/// The same for groups of a graph: none of the ramp's reds and yellows.  Repeats after five
+/// colours, with dashes.
 Attributes GroupStroke(std::size_t group, double width);
 Attributes MarkStroke(double width);  ///< dots that belong to no group
 Attributes RampStroke(std::size_t step, double width);

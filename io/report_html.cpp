@@ -57,9 +57,8 @@ std::string KeyNumbers(const Report& report, const ReportContext& context) {
                      "from " + ReadableNumber(report.initial_objective, 6)});
   cards.push_back({"χ² per degree of freedom", ReadableNumber(report.ReducedChi2(), 4),
                    MeaningOfReducedChi2(report.ReducedChi2())});
-  const auto rejected =
-      std::count_if(report.iterations.begin(), report.iterations.end(),
-                    [](const Iteration& step) { return !step.accepted; });
+  const auto rejected = std::count_if(report.iterations.begin(), report.iterations.end(),
+                                      [](const Iteration& step) { return !step.accepted; });
   cards.push_back({"Iterations", ReadableCount(report.Steps()),
                    rejected ? fmt::format("{} rejected", rejected) : "all accepted"});
   const Timing& timing = report.timing;
@@ -68,8 +67,8 @@ std::string KeyNumbers(const Report& report, const ReportContext& context) {
   cards.push_back({"Variables", ReadableCount(report.variables),
                    ReadableCount(report.fixed_variables) + " fixed, " +
                        ReadableCount(report.parameters) + " parameters"});
-  cards.push_back({"Factors", ReadableCount(report.factors),
-                   ReadableCount(report.residuals) + " residuals"});
+  cards.push_back(
+      {"Factors", ReadableCount(report.factors), ReadableCount(report.residuals) + " residuals"});
   cards.push_back({"Degrees of freedom", fmt::format("{}", report.degrees_of_freedom),
                    "χ² " + ReadableNumber(report.Chi2(), 6)});
   cards.push_back({"Threads", fmt::format("{}", report.threads),
@@ -219,16 +218,15 @@ std::string Worst(const Report& report) {
                     {ReadableNumber(per_residual, 4), per_residual > 9 ? "bad" : ""},
                     {ReadableNumber(factor.weight, 3)}});
   }
-  return html::Section(
-      "Factors that disagree most",
-      html::Table({{"keys", false, {}},
-                   {"type", false, {}},
-                   {"source", false, {}},
-                   {"factor", true, "position in the graph, counted from 0"},
-                   {"χ²", true, {}},
-                   {"χ² per residual", true, "red above 9, three sigma"},
-                   {"loss weight", true, "what the loss left of it: 1 is all"}},
-                  rows));
+  return html::Section("Factors that disagree most",
+                       html::Table({{"keys", false, {}},
+                                    {"type", false, {}},
+                                    {"source", false, {}},
+                                    {"factor", true, "position in the graph, counted from 0"},
+                                    {"χ²", true, {}},
+                                    {"χ² per residual", true, "red above 9, three sigma"},
+                                    {"loss weight", true, "what the loss left of it: 1 is all"}},
+                                   rows));
 }
 
 std::string Pairs(const std::vector<std::pair<std::string, std::string>>& pairs) {
@@ -239,8 +237,7 @@ std::string Pairs(const std::vector<std::pair<std::string, std::string>>& pairs)
 
 std::string Origin(const Report& report, const ReportContext& context) {
   std::string body;
-  if (!context.outputs.empty())
-    body += html::Paragraph("Written to") + html::List(context.outputs);
+  if (!context.outputs.empty()) body += html::Paragraph("Written to") + html::List(context.outputs);
   if (!context.extras.empty()) body += Pairs(context.extras);
   if (!report.options.empty()) body += html::Details("All options", Pairs(report.options));
   if (!report.provenance.empty()) body += Pairs(report.provenance);
@@ -256,11 +253,16 @@ std::string VerdictClass(Termination termination) {
 
 std::string VerdictText(Termination termination) {
   switch (termination) {
-    case Termination::kConverged: return "converged";
-    case Termination::kNoConvergence: return "did not converge";
-    case Termination::kTimeLimit: return "time limit reached";
-    case Termination::kCancelled: return "cancelled";
-    case Termination::kFailed: return "failed";
+    case Termination::kConverged:
+      return "converged";
+    case Termination::kNoConvergence:
+      return "did not converge";
+    case Termination::kTimeLimit:
+      return "time limit reached";
+    case Termination::kCancelled:
+      return "cancelled";
+    case Termination::kFailed:
+      return "failed";
   }
   return "failed";
 }

@@ -8,14 +8,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json Seconds(const Timing& timing) {
-  return {{"load", timing.load.wall},
-          {"initialise", timing.initialise.wall},
-          {"build", timing.build.wall},
-          {"preprocess", timing.preprocess},
-          {"evaluate", timing.evaluate},
-          {"linear_solve", timing.linear_solve},
-          {"solve", timing.solve.wall},
-          {"write", timing.write.wall},
+  return {{"load", timing.load.wall},    {"initialise", timing.initialise.wall},
+          {"build", timing.build.wall},  {"preprocess", timing.preprocess},
+          {"evaluate", timing.evaluate}, {"linear_solve", timing.linear_solve},
+          {"solve", timing.solve.wall},  {"write", timing.write.wall},
           {"total", timing.total.wall}};
 }
 

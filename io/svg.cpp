@@ -67,7 +67,8 @@ std::string EscapeXml(std::string_view text) {
   while (!text.empty()) {
     const std::size_t length = SequenceLength(text);
     const char c = text[0];
-    if (length == 0 || (length == 1 && ((c >= 0 && c < ' ' && c != '\t' && c != '\n') || c == 0x7f)))
+    if (length == 0 ||
+        (length == 1 && ((c >= 0 && c < ' ' && c != '\t' && c != '\n') || c == 0x7f)))
       out += "\xef\xbf\xbd";
     else if (c == '<')
       out += "&lt;";
@@ -101,7 +102,8 @@ void PathData::Pair(std::int64_t dx, std::int64_t dy, bool after_letter) {
 }
 
 void PathData::MoveTo(double x, double y) {
-  data_.push_back('m');  // the first one of a path is taken as absolute; bare pairs after it are 'l'
+  data_.push_back(
+      'm');  // the first one of a path is taken as absolute; bare pairs after it are 'l'
   Pair(Round(x) - x_, Round(y) - y_, true);
   start_x_ = x_;
   start_y_ = y_;
@@ -180,10 +182,9 @@ void Svg::Path(const PathData& path, Attributes attributes, std::string_view too
 }
 
 void Svg::Line(double x0, double y0, double x1, double y1, Attributes attributes) {
-  attributes.insert(attributes.begin(), {{"x1", SvgNumber(x0)},
-                                         {"y1", SvgNumber(y0)},
-                                         {"x2", SvgNumber(x1)},
-                                         {"y2", SvgNumber(y1)}});
+  attributes.insert(
+      attributes.begin(),
+      {{"x1", SvgNumber(x0)}, {"y1", SvgNumber(y0)}, {"x2", SvgNumber(x1)}, {"y2", SvgNumber(y1)}});
   Element("line", attributes);
 }
 

@@ -48,7 +48,8 @@ class PathData {
   std::string data_;
 };
 
-/// Builds an SVG document, one element after the other.  Attribute values and text are escaped here.
+/// Builds an SVG document, one element after the other.  Attribute values and text are escaped
+/// here.
 class Svg {
  public:
   using Attributes = std::vector<std::pair<std::string_view, std::string>>;
