@@ -6,6 +6,7 @@
 #include <string>
 
 #include "graticule/problems/pose_graph/neighbours.hpp"
+#include "graticule/problems/pose_graph/pair_draw.hpp"
 #include "graticule/problems/pose_graph/transform.hpp"
 #include "graticule/problems/random.hpp"
 #include "graticule/solver/error.hpp"
@@ -220,55 +221,34 @@ class City {
 
   // ---------------------------------------------------------------------------------- closures
 
-  // A pose near pose i that `fits`, drawn at random; i itself if none was found in some tries.
-  template <class Fits>
-  std::size_t Draw(const Neighbours& near, std::size_t i, RandomNumbers* random, Fits fits) const {
-    std::array<std::pair<std::uint32_t, std::uint32_t>, 9> cells;
-    std::size_t cell_count = 0, entries = 0;
-    near.Around(truth_[i][0], truth_[i][1], [&](std::uint32_t first, std::uint32_t last) {
-      cells[cell_count++] = {first, last};
-      entries += last - first;
-    });
-    constexpr int kTries = 16;
-    for (int attempt = 0; attempt < kTries && entries > 0; ++attempt) {
-      std::size_t entry = random->Below(entries);
-      std::size_t cell = 0;
-      while (entry >= cells[cell].second - cells[cell].first)
-        entry -= cells[cell].second - cells[cell].first, ++cell;
-      const std::size_t other = near.At(cells[cell].first + entry);
-      const double dx = truth_[i][0] - truth_[other][0], dy = truth_[i][1] - truth_[other][1];
-      if (std::hypot(dx, dy) <= options_.closure_range_m && fits(other)) return other;
-    }
-    return i;
-  }
-
   void AddClosures() {
     std::vector<Neighbours> by_robot(static_cast<std::size_t>(options_.robots),
                                      Neighbours(options_.closure_range_m));
-    for (std::size_t i = 0; i < truth_.size(); ++i)
+    Neighbours all(options_.closure_range_m);
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
       by_robot[Robot(i)].Add(truth_[i][0], truth_[i][1], static_cast<std::uint32_t>(i));
+      all.Add(truth_[i][0], truth_[i][1], static_cast<std::uint32_t>(i));
+    }
     for (Neighbours& robot : by_robot) robot.Build();
+    all.Build();
 
     RandomNumbers random(options_.seed, kClosures);
-    const auto tries = [&random](double mean) {
-      return static_cast<int>(mean) + (random.Unit() < mean - std::floor(mean) ? 1 : 0);
+    const auto wanted = [this](double per_pose) {
+      return static_cast<std::size_t>(std::llround(per_pose * static_cast<double>(truth_.size())));
     };
+    const PairDraw draw{truth_, options_.closure_range_m, &random};
     const auto gap = static_cast<std::size_t>(options_.loop_min_gap);
-    for (std::size_t i = 0; i < truth_.size(); ++i) {
-      const std::size_t robot = Robot(i);
-      for (int n = tries(options_.loops_per_pose); n > 0; --n) {
-        const std::size_t other = Draw(by_robot[robot], i, &random,
-                                       [&](std::size_t earlier) { return earlier + gap <= i; });
-        if (other != i) AddClosure(other, i, "loop", &random);
-      }
-      if (options_.robots < 2) continue;
-      for (int n = tries(options_.inter_robot_per_pose); n > 0; --n) {
-        std::size_t met = random.Below(static_cast<std::uint64_t>(options_.robots - 1));
-        if (met >= robot) ++met;
-        const std::size_t other = Draw(by_robot[met], i, &random, [](std::size_t) { return true; });
-        if (other != i) AddClosure(other, i, "inter_robot", &random);
-      }
-    }
+    const auto loops = draw.Pairs(
+        wanted(options_.loops_per_pose),
+        [&](std::size_t i) -> const Neighbours& { return by_robot[Robot(i)]; },
+        [gap](std::size_t a, std::size_t b) { return std::max(a, b) - std::min(a, b) >= gap; });
+    for (const auto& [later, earlier] : loops) AddClosure(earlier, later, "loop", &random);
+    if (options_.robots < 2) return;
+    const auto meetings = draw.Pairs(
+        wanted(options_.inter_robot_per_pose),
+        [&](std::size_t) -> const Neighbours& { return all; },
+        [this](std::size_t a, std::size_t b) { return Robot(a) != Robot(b); });
+    for (const auto& [b, a] : meetings) AddClosure(a, b, "inter_robot", &random);
   }
 
   void AddClosure(std::size_t a, std::size_t b, const char* source, RandomNumbers* random) {

@@ -23,8 +23,8 @@ struct CityOptions {
   double closure_sigma_rad = 0.01;
   /// A closure joins poses that are at most this far apart.
   double closure_range_m = 5;
-  /// How many closures are tried a pose, on average: with the same robot, at least
-  /// `loop_min_gap` poses earlier, and with another robot.  Where nobody was near there is none.
+  /// Closures a pose, on average: with the same robot, at least `loop_min_gap` poses apart, and
+  /// with another robot.  No pair twice; fewer where the town has hardly any more.
   double loops_per_pose = 0.5;
   double inter_robot_per_pose = 0.2;
   int loop_min_gap = 50;

@@ -60,11 +60,8 @@ TEST_P(City, HasTheCountsAskedFor) {
   EXPECT_EQ(city.graph.VariableCount(), 3u * 400 + 50);
   const auto count = CountSources(city.graph);
   EXPECT_EQ(count.at("odometry"), 3u * 399);
-  // Tried 0.5 and 0.2 times a pose, and not always with success; binomial, 5 standard deviations.
-  EXPECT_LE(count.at("loop"), 600u + 87);
-  EXPECT_GE(count.at("loop"), 100u);
-  EXPECT_LE(count.at("inter_robot"), 240u + 70);
-  EXPECT_GE(count.at("inter_robot"), 50u);
+  EXPECT_EQ(count.at("loop"), 600u);         // 0.5 a pose
+  EXPECT_EQ(count.at("inter_robot"), 240u);  // 0.2 a pose
   EXPECT_GE(count.at("sighting"), 50u);
   EXPECT_TRUE(city.outliers.empty());
 
@@ -145,6 +142,20 @@ TEST_P(City, SaysWhichClosuresAreWrongButNotInTheGraph) {
     if (wrong.count(id) == 0) {
       EXPECT_LT(worst, 6) << id;  // passed once in 5e8 numbers
     }
+  }
+}
+
+TEST_P(City, HasNoPairTwiceAndStopsWhereThereAreNoMore) {
+  CityOptions options;
+  options.dimension = GetParam();
+  options.robots = 2;
+  options.poses_per_robot = 60;
+  options.loops_per_pose = options.inter_robot_per_pose = 1000;
+  const Simulated city = SimulateCity(Builtins(), options);
+  std::set<std::pair<VariableId, VariableId>> pairs;
+  for (FactorId id = 0; id < city.graph.FactorCount(); ++id) {
+    const auto ends = city.graph.FactorAt(id).variables;
+    EXPECT_TRUE(pairs.insert({ends[0], ends[1]}).second);
   }
 }
 
