@@ -2,15 +2,14 @@
 
 // The only header a plug-in author needs.
 //
-//   struct RangeFactor {                                             // one statement: unit, frame,
-//   zero, source
+//   struct RangeFactor {  // one statement: unit, frame, zero, source
 //     static constexpr const char* kName = "radar_range/1";
 //     static constexpr const char* kSchema = "radar:se2/1 target:point2/1 | range:m";
 //     static constexpr const char* kSummary = "distance from the radar to the target";
 //     double range_m;
-//     explicit RangeFactor(graticule::Measurement m) : range_m(m[0]) {}   // may throw
-//     std::exception to refuse template <class T> bool operator()(const T* radar, const T* target,
-//     T* residual) const { ...; return true; }
+//     explicit RangeFactor(graticule::Measurement m) : range_m(m[0]) {}  // may throw to refuse
+//     template <class T>
+//     bool operator()(const T* radar, const T* target, T* residual) const { ...; return true; }
 //   };
 //   GRATICULE_PLUGIN("radar", "1.0.0", "MIT", RangeFactor)
 //
@@ -21,10 +20,9 @@
 //   with `jacobians` as in Ceres (row-major, null where not wanted), with respect to the stored
 //   fields, or with `static constexpr bool kTangentJacobians = true;` to the tangent.
 // - a block type that is not built in: `static constexpr int kBlockSizes[] = {3, 2};`, the stored
-// sizes.
+//   sizes.
 // - a block or measurement with `*` in the schema: use Evaluate; the constructor may take
-// (Measurement, int blocks)
-//   and a member `int ResidualSize() const` may give the residual's size.
+//   (Measurement, int blocks), and a member `int ResidualSize() const` may give the residual's size.
 
 #include <ceres/jet.h>
 
@@ -268,7 +266,7 @@ namespace sdk __attribute__((visibility("hidden"))) {
     return &plugin;
   }
 
-}  // namespace )
+}  // namespace sdk
 }  // namespace graticule
 
 /// The one line that makes a shared library a plug-in: name, version, licence, factor structs.
