@@ -57,7 +57,8 @@ class Handler : public YAML::EventHandler {
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
     if (!in_map_) return;  // an empty document
     if (has_name_)
-      Fail(mark, "expected a value of " + Quoted(entries_.back().name) + ", found none");
+      throw Error(name_, entries_.back().line, entries_.back().column,
+                  "expected a value of " + Quoted(entries_.back().name) + ", found none");
     Fail(mark, "expected a name, found none");
   }
 

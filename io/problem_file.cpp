@@ -101,7 +101,8 @@ Recording ReadProblem(const std::string& path, const Registry& types, const Read
 
 std::vector<std::string> WriteProblem(const std::string& path, const Recording& recording,
                                       const WriteOptions& options) {
-  std::optional<ProblemFormat> format = FormatOfName(path);
+  std::optional<ProblemFormat> format = options.format;
+  if (!format) format = FormatOfName(path);
   if (!format && EndsWith(WithoutGz(path), ".txt")) format = ProblemFormat::kBal;
   if (!format)
     throw Error(path +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,8 @@ Recording ParseProblem(std::string_view text, const std::string& path, const Reg
 
 struct WriteOptions {
   bool binary = false;  ///< `.fg` only
+  /// Instead of what the name says: for `/dev/stdout` and the like.
+  std::optional<ProblemFormat> format;
 };
 
 /// Writes a problem in the format that the name says; `.txt` is BAL.  Returns what the format could

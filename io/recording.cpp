@@ -41,8 +41,8 @@ std::size_t FindEnd(std::string_view text, const TextReader& whole) {
   const std::size_t begin = line_break == std::string_view::npos ? 0 : line_break + 1;
   const std::string_view line = text.substr(begin, last + 1 - begin);
   if (line.substr(0, 4) != "end ")
-    whole.FailAt(begin, "the file was cut short: expected 'end COUNT' in its last line, found " +
-                            Quoted(line));
+    whole.FailAt(begin, "expected 'end COUNT' in the last line, found " + Quoted(line) +
+                            ": the file was cut short, or goes on after its end");
   return begin;
 }
 

@@ -129,11 +129,9 @@ class BodyReader {
         throw Place(place, error);
       }
       if (reader_.AtLineEnd()) return;
-      if (!reader_.Accept("|") || reader_.Word() != "from") {
-        reader_.Seek(reader_.WordOffset());
-        reader_.Word();
+      const bool bar = reader_.Accept("|");
+      if (reader_.Word() != "from" || !bar)
         reader_.FailExpected("'| from SOURCE' or the end of the line", nullptr);
-      }
     }
     *source = reader_.Rest();
   }
