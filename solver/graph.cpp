@@ -60,6 +60,17 @@ int ResidualSizeOf(const FactorType& type, Span<const double> measurement,
   return residual_size;
 }
 
+// Only the factor itself knows how many residuals a schema with a `*` means.  Where it is not
+// loaded the noise tells, as far as it has a number for each.
+int ResidualSizeOf(NoiseView noise, int otherwise) {
+  const std::size_t count = noise.values.size();
+  if (noise.kind == NoiseKind::kSigma && count > 1) return static_cast<int>(count);
+  if (noise.kind != NoiseKind::kInformation) return otherwise;
+  std::size_t size = 1;
+  while (size * (size + 1) / 2 < count) ++size;
+  return static_cast<int>(size);
+}
+
 }  // namespace
 
 Layout& Graph::MutableLayout() {
@@ -265,6 +276,8 @@ FactorId Graph::Add(TypeId type, Span<const VariableId> variables, Span<const do
   try {
     if (factor_type.Known())
       residual_size = ResidualSizeOf(factor_type, measurement, variables.size());
+    else if (schema.repeats_last_residual)
+      residual_size = ResidualSizeOf(noise, residual_size);
     noise_id = InternNoise(type, noise, residual_size);
   } catch (const Error& error) {
     if (error.Kind() != ErrorKind::kInput)

@@ -87,6 +87,17 @@ TEST(Recording, ReadsTypesThatAreNotInstalled) {
   EXPECT_FALSE(read.graph.FactorAt(0).type->Known());
 }
 
+// Only the factor knows how many residuals `ticks*` stands for, and it is not here.
+TEST(Recording, ReadsTheNoiseOfTypesThatAreNotInstalledWhateverItsSize) {
+  for (const char* noise : {"unit", "sigma 2", "sigma 1 2 3", "information 1 0 0 1 0 1"}) {
+    const std::string text =
+        std::string("graticule-problem 1\nfactor odometer/3 pose:se2/1 | ticks*\nvariables 1\n") +
+        "pose:0 se2/1 0 0 0\nfactors 1\nodometer/3 pose:0 | 5 6 7 | " + noise + "\nend 2\n";
+    const Recording read = Read(text);
+    EXPECT_NE(FormatRecording(read).find(noise), std::string::npos) << noise;
+  }
+}
+
 TEST(Recording, RefusesAFileThatWasCutShort) {
   for (const bool binary : {false, true}) {
     const std::string whole = FormatRecording(Corridor(), binary);
