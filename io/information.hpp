@@ -1,13 +1,16 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
+#include "graticule/solver/error.hpp"
 #include "graticule/solver/noise.hpp"
 
 namespace graticule {
 
 /// The upper triangle, row by row, of the information matrix that a noise means: what formats know
-/// that have no other kind of noise.
+/// that have no other kind of noise.  Throws Error where a sigma's inverse square is no finite
+/// number above zero.
 inline void InformationOf(NoiseView noise, int residual_size, std::vector<double>* information) {
   const auto n = static_cast<std::size_t>(residual_size);
   if (noise.kind == NoiseKind::kInformation) {
@@ -18,7 +21,10 @@ inline void InformationOf(NoiseView noise, int residual_size, std::vector<double
   for (std::size_t i = 0, at = 0; i < n; at += n - i, ++i) {
     const double sigma =
         noise.kind == NoiseKind::kUnit ? 1 : noise.values[noise.values.size() == 1 ? 0 : i];
-    (*information)[at] = 1 / (sigma * sigma);
+    const double weight = 1 / (sigma * sigma);
+    if (!std::isfinite(weight) || weight == 0)
+      throw Error("a standard deviation is too small or too large to be written as information");
+    (*information)[at] = weight;
   }
 }
 
