@@ -28,7 +28,7 @@ void PrintSummary(const SolveCommand& command, const Graph& graph, const Report&
   fmt::print("  factors    {} ({})\n", report.factors, CountFactors(graph));
   fmt::print("  start      {}\n", start);
   fmt::print("  cost       {:.9g} -> {:.9g}  (0.5 r'Wr)", report.initial_cost, report.final_cost);
-  if (report.final_objective != report.final_cost)
+  if (std::abs(report.final_objective - report.final_cost) > 1e-9 * report.final_cost)
     fmt::print(", with losses {:.9g}", report.final_objective);
   if (report.degrees_of_freedom > 0)
     fmt::print(", chi2 {:.6g} over {} degrees of freedom: {:.4g} each", report.Chi2(),

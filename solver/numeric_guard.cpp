@@ -3,6 +3,8 @@
 #include <dlfcn.h>
 #include <glog/logging.h>
 
+#include <filesystem>
+
 namespace graticule {
 namespace {
 
@@ -30,10 +32,13 @@ NumericGuard::~NumericGuard() {
   if (const auto set = Find<void (*)(int)>("omp_set_max_active_levels")) set(active_levels_);
 }
 
-const char* LoadedBlas() {
+std::string LoadedBlas() {
   Dl_info info{};
   void* dgemm = dlsym(RTLD_DEFAULT, "dgemm_");
-  return dgemm && dladdr(dgemm, &info) && info.dli_fname ? info.dli_fname : "unknown";
+  if (!dgemm || !dladdr(dgemm, &info) || !info.dli_fname) return "unknown";
+  std::error_code problem;  // links say little: libblas.so.3 may be anybody's
+  const auto file = std::filesystem::canonical(info.dli_fname, problem);
+  return problem ? info.dli_fname : file.string();
 }
 
 }  // namespace graticule

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 namespace graticule {
 
 /// While it lives, BLAS and CHOLMOD run on the calling thread alone, and Ceres' log is silent.
@@ -21,7 +23,7 @@ class NumericGuard {
   int log_level_ = 0;
 };
 
-/// The file that BLAS' dgemm_ comes from, as the process has bound it: "…/libopenblas.so.0".
-const char* LoadedBlas();
+/// The file that BLAS' dgemm_ comes from, as the process has bound it, links followed.
+std::string LoadedBlas();
 
 }  // namespace graticule
