@@ -22,7 +22,7 @@
 // - a block type that is not built in: `static constexpr int kBlockSizes[] = {3, 2};`, the stored
 //   sizes.
 // - a block or measurement with `*` in the schema: use Evaluate; the constructor may take
-//   (Measurement, int blocks), and a member `int ResidualSize() const` may give the residual's size.
+//   (Measurement, int blocks), and `int ResidualSize() const` may give the residual's size.
 
 #include <ceres/jet.h>
 

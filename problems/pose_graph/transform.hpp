@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "graticule/factors/lie.hpp"
 #include "graticule/solver/rotation.hpp"
 
 namespace graticule {
@@ -9,19 +10,13 @@ namespace graticule {
 /// Poses as the graph stores them: [x y yaw] in the plane, [x y z qx qy qz qw] in space.  `planar`
 /// says which.  Outputs may not overlap inputs.
 
-inline double WrapYaw(double yaw_rad) {
-  if (yaw_rad > -M_PI && yaw_rad <= M_PI) return yaw_rad;
-  const double wrapped = std::remainder(yaw_rad, 2 * M_PI);
-  return wrapped > -M_PI ? wrapped : M_PI;
-}
-
 inline int PoseSize(bool planar) { return planar ? 3 : 7; }
 
 /// A pose as a file carries it (six digits of a quaternion, any yaw), brought onto its manifold.
 inline void CopyPose(bool planar, const double* given, double* pose) {
   for (int i = 0; i < PoseSize(planar); ++i) pose[i] = given[i];
   if (planar) {
-    pose[2] = WrapYaw(pose[2]);
+    pose[2] = WrapAngle(pose[2]);
     return;
   }
   double* q = pose + 3;
@@ -47,7 +42,7 @@ inline void Compose(bool planar, const double* world_from_a, const double* a_fro
                     double* world_from_b) {
   TransformPoint(planar, world_from_a, a_from_b, world_from_b);
   if (planar) {
-    world_from_b[2] = WrapYaw(world_from_a[2] + a_from_b[2]);
+    world_from_b[2] = WrapAngle(world_from_a[2] + a_from_b[2]);
     return;
   }
   double* q = world_from_b + 3;
@@ -62,7 +57,7 @@ inline void Invert(bool planar, const double* a_from_b, double* b_from_a) {
     const double c = std::cos(a_from_b[2]), s = std::sin(a_from_b[2]);
     b_from_a[0] = -c * a_from_b[0] - s * a_from_b[1];
     b_from_a[1] = s * a_from_b[0] - c * a_from_b[1];
-    b_from_a[2] = WrapYaw(-a_from_b[2]);
+    b_from_a[2] = WrapAngle(-a_from_b[2]);
     return;
   }
   for (int i = 0; i < 3; ++i) b_from_a[3 + i] = -a_from_b[3 + i];

@@ -42,7 +42,7 @@ State RandomState(const FactorType& type, Random* random) {
 }
 
 // The branch of a rotation error: vector part with w >= 0, rotation vector below pi, wrapped angle.
-// The test of derivatives keeps away from it; rotation_test.cpp looks at it from near.
+// The test of derivatives keeps away from it; known_values_test.cpp looks at it from near.
 bool NearTheBranch(const FactorType& type, const std::vector<double>& residual) {
   double angle = 0, vector = 0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
