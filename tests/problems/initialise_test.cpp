@@ -246,12 +246,12 @@ TEST(InitialiseOptionTable, ReadsWhatItWrites) {
   EXPECT_EQ(row.name, "initialise");
   for (const char* name : {"automatic", "file", "odometry", "spanning_tree"}) {
     InitialiseOptions options;
-    row.set(options, name);
+    EXPECT_TRUE(row.set(options, name));
     EXPECT_EQ(row.get(options), name);
     EXPECT_NE(row.accepts.find(name), std::string::npos);
   }
   InitialiseOptions options;
-  EXPECT_THROW(row.set(options, "spaning_tree"), Error);
+  EXPECT_THROW(SetOption(InitialiseOptionTable(), "initialise", "spaning_tree", &options), Error);
 }
 
 }  // namespace
