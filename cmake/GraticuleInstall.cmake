@@ -1,1 +1,59 @@
-# What `cmake --install` lays down.
+# What `cmake --install` lays down: a library and the headers of each room, the program, its configurations,
+# the folder where plug-ins are found, and what find_package(graticule) reads.
+include(CMakePackageConfigHelpers)
+
+set(GRATICULE_PLUGIN_INSTALL_DIR "${CMAKE_INSTALL_LIBDIR}/graticule/plugins")
+set(GRATICULE_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/graticule")
+
+# Headers that show how it is done rather than what it does; they need CHOLMOD, glog or Ceres.
+set(GRATICULE_INTERNAL_HEADERS ceres_bridge evaluation linearise numeric_guard)
+list(JOIN GRATICULE_INTERNAL_HEADERS "|" internal)
+
+set(GRATICULE_INSTALLED_COMPONENTS sdk)
+foreach(room IN ITEMS solver factors io problems)
+  if(NOT TARGET graticule_${room})
+    continue()
+  endif()
+  list(APPEND GRATICULE_INSTALLED_COMPONENTS ${room})
+  install(TARGETS graticule_${room} EXPORT graticule_${room}
+    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(EXPORT graticule_${room} NAMESPACE graticule:: FILE graticule-${room}.cmake
+    DESTINATION "${GRATICULE_PACKAGE_DIR}")
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/${room}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/graticule/${room}"
+    FILES_MATCHING
+    PATTERN "*.hpp"
+    PATTERN "*.h"
+    REGEX "/solver/(${internal})\\.hpp$" EXCLUDE)
+endforeach()
+install(FILES "${GRATICULE_VERSION_INCLUDE}/graticule/version.hpp"
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/graticule")
+
+if(TARGET graticule_cli)
+  install(TARGETS graticule_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()
+if(EXISTS "${PROJECT_SOURCE_DIR}/apps/configs")
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/apps/configs/"
+    DESTINATION "${CMAKE_INSTALL_DATADIR}/graticule/configs" FILES_MATCHING PATTERN "*.yaml")
+endif()
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(CODE "file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${GRATICULE_PLUGIN_INSTALL_DIR}\")")
+
+if(BUILD_SHARED_LIBS)
+  set(BUILD_SHARED_LIBS_TEXT TRUE)
+else()
+  set(BUILD_SHARED_LIBS_TEXT FALSE)
+endif()
+configure_package_config_file(
+  "${PROJECT_SOURCE_DIR}/cmake/graticuleConfig.cmake.in" "${PROJECT_BINARY_DIR}/graticuleConfig.cmake"
+  INSTALL_DESTINATION "${GRATICULE_PACKAGE_DIR}"
+  PATH_VARS CMAKE_INSTALL_INCLUDEDIR GRATICULE_PLUGIN_INSTALL_DIR)
+# Before 1.0 a minor version may break a program that embeds Graticule; plug-ins have a version of their own.
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/graticuleConfigVersion.cmake"
+  COMPATIBILITY SameMinorVersion)
+install(FILES
+  "${PROJECT_BINARY_DIR}/graticuleConfig.cmake"
+  "${PROJECT_BINARY_DIR}/graticuleConfigVersion.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/GraticulePlugin.cmake"
+  DESTINATION "${GRATICULE_PACKAGE_DIR}")
