@@ -1,28 +1,36 @@
 #pragma once
 
-// The only header a plug-in author needs.
+// clang-format off
+// The only header a plug-in author needs (docs/plugins.md is the guide).
 //
-//   struct RangeFactor {  // one statement: unit, frame, zero, source
+//   /// Distance from the radar to the target.  Residual [m]; zero when they agree.
+//   struct RadarRange {
 //     static constexpr const char* kName = "radar_range/1";
 //     static constexpr const char* kSchema = "radar:se2/1 target:point2/1 | range:m";
 //     static constexpr const char* kSummary = "distance from the radar to the target";
+//
 //     double range_m;
-//     explicit RangeFactor(graticule::Measurement m) : range_m(m[0]) {}  // may throw to refuse
+//     explicit RadarRange(graticule::Measurement m) : range_m(m[0]) {}  // throws std::exception to refuse
+//
 //     template <class T>
 //     bool operator()(const T* radar, const T* target, T* residual) const { ...; return true; }
 //   };
-//   GRATICULE_PLUGIN("radar", "1.0.0", "MIT", RangeFactor)
+//   GRATICULE_PLUGIN("radar", "1.0.0", "MIT", RadarRange)
 //
 // Options of such a struct:
 // - `static constexpr bool kRelative = true;`: the residual depends on relative placement only.
 // - analytic derivatives: instead of operator(), a member
 //       bool Evaluate(const double* const* blocks, double* residual, double** jacobians) const
-//   with `jacobians` as in Ceres (row-major, null where not wanted), with respect to the stored
-//   fields, or with `static constexpr bool kTangentJacobians = true;` to the tangent.
-// - a block type that is not built in: `static constexpr int kBlockSizes[] = {3, 2};`, the stored
-//   sizes.
-// - a block or measurement with `*` in the schema: use Evaluate; the constructor may take
-//   (Measurement, int blocks), and `int ResidualSize() const` may give the residual's size.
+//   with `jacobians` as in Ceres (row-major, null where not wanted), with respect to the stored fields, or
+//   with `static constexpr bool kTangentJacobians = true;` to the tangent.
+// - a block type that is not built in: `static constexpr int kBlockSizes[] = {3, 2};`, the stored sizes.
+// - a block or measurement with `*` in the schema: use Evaluate; the constructor may take (Measurement, int
+//   blocks), and a member `int ResidualSize() const` may give the residual's size.
+//
+// A struct with `kFields` instead of `kSchema` is a variable type: kName, kFields, kTangent, kSummary, and
+// static functions Plus, PlusJacobian, Minus and, where not every stored value is legal, Normalise, as
+// graticule_variable_type_v1 has them.  They never throw.  Without Plus it is a vector.
+// clang-format on
 
 #include <ceres/jet.h>
 
@@ -251,25 +259,91 @@ namespace sdk __attribute__((visibility("hidden"))) {
         Destroy};
   };
 
-  template <class... Factors>
+  template <class V, class = void>
+  struct IsVariable : std::false_type {};
+  template <class V>
+  struct IsVariable<V, std::void_t<decltype(V::kFields)>> : std::true_type {};
+
+  template <class V, class = void>
+  struct HasPlus : std::false_type {};
+  template <class V>
+  struct HasPlus<V, std::void_t<decltype(&V::Plus)>> : std::true_type {};
+
+  template <class V, class = void>
+  struct HasNormalise : std::false_type {};
+  template <class V>
+  struct HasNormalise<V, std::void_t<decltype(&V::Normalise)>> : std::true_type {};
+
+  /// A variable type as a C table.
+  template <class V>
+  struct VariableTable {
+    static int32_t Normalise(double* x) {
+      if constexpr (HasNormalise<V>::value) return V::Normalise(x);
+      return 1;
+    }
+
+    static constexpr graticule_variable_type_v1 Make() {
+      graticule_variable_type_v1 table = {sizeof(graticule_variable_type_v1),
+                                          0,
+                                          V::kName,
+                                          V::kFields,
+                                          V::kTangent,
+                                          V::kSummary,
+                                          nullptr,
+                                          nullptr,
+                                          nullptr,
+                                          nullptr};
+      if constexpr (HasPlus<V>::value) {
+        table.plus = V::Plus;
+        table.plus_jacobian = V::PlusJacobian;
+        table.minus = V::Minus;
+        table.normalise = Normalise;
+      }
+      return table;
+    }
+
+    static constexpr graticule_variable_type_v1 kTable = Make();
+  };
+
+  /// The tables of a plug-in's structs, in their order.
+  template <class... Types>
+  struct Tables {
+    const graticule_factor_type_v1* factors[sizeof...(Types)] = {};
+    const graticule_variable_type_v1* variables[sizeof...(Types)] = {};
+    int32_t factor_count = 0, variable_count = 0;
+
+    Tables() { (Add<Types>(), ...); }
+
+    template <class Type>
+    void Add() {
+      if constexpr (IsVariable<Type>::value) {
+        variables[variable_count++] = &VariableTable<Type>::kTable;
+      } else {
+        factors[factor_count++] = &Table<Type>::kTable;
+      }
+    }
+  };
+
+  template <class... Types>
   const graticule_plugin_v1* Plugin(const char* name, const char* version, const char* licence) {
-    static const graticule_factor_type_v1* const tables[] = {&Table<Factors>::kTable...};
+    static const Tables<Types...> tables;
     static const graticule_plugin_v1 plugin = {sizeof(graticule_plugin_v1),
                                                GRATICULE_ABI_VERSION,
                                                name,
                                                version,
                                                licence,
-                                               static_cast<int32_t>(sizeof...(Factors)),
-                                               0,
-                                               tables,
-                                               nullptr};
+                                               tables.factor_count,
+                                               tables.variable_count,
+                                               tables.factors,
+                                               tables.variables};
     return &plugin;
   }
 
-}  // namespace sdk
+}  // namespace )
 }  // namespace graticule
 
-/// The one line that makes a shared library a plug-in: name, version, licence, factor structs.
+/// The one line that makes a shared library a plug-in: name, version, licence, structs of factors
+/// and of variables.
 #define GRATICULE_PLUGIN(name, version, licence, ...)                          \
   extern "C" __attribute__((visibility("default"))) const graticule_plugin_v1* \
   graticule_plugin_entry_v1() {                                                \
