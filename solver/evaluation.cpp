@@ -7,6 +7,7 @@
 #include <map>
 
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/guarded.hpp"
 
 namespace graticule {
 namespace {
@@ -83,17 +84,14 @@ Evaluation::Evaluation(const Graph& graph) : graph_(graph) {
                                                static_cast<std::int32_t>(factor.measurement.size()),
                                                factor.measurement.data()};
     std::int32_t residual_size = graph.ResidualSize(id);
-    graticule_error error;
-    error.message[0] = 0;
+    std::string why = "it changed its number of residuals";
     instances_[id].table = factor.type->table;
-    instances_[id].self = factor.type->table->create(
-        &measurement, static_cast<std::int32_t>(factor.variables.size()), &residual_size, &error);
+    instances_[id].self =
+        CreateFactor(*factor.type->table, measurement,
+                     static_cast<std::int32_t>(factor.variables.size()), &residual_size, &why);
     const bool repeated = HasRepeatedKey(factor);
     if (!instances_[id].self || residual_size != graph.ResidualSize(id) || repeated) {
-      error.message[sizeof(error.message) - 1] = 0;
-      const std::string why = repeated           ? "the same key twice"
-                              : error.message[0] ? error.message
-                                                 : "refused its measurement";
+      if (repeated) why = "the same key twice";
       Destroy();
       throw Error(Describe(graph, id) + ": " + why);
     }
@@ -138,7 +136,7 @@ bool Evaluation::Raw(FactorId id, const double* const* blocks, double* residual,
 }
 
 bool Evaluation::Evaluate(FactorId id, const double* const* blocks, double* residual,
-                          double** jacobians, const int* strides, bool whiten) const {
+                          double** jacobians, const int* strides, bool whiten) const try {
   const FactorView factor = graph_.FactorAt(id);
   const Instance& instance = instances_[id];
   const int rows = graph_.ResidualSize(id);
@@ -148,7 +146,7 @@ bool Evaluation::Evaluate(FactorId id, const double* const* blocks, double* resi
 
   if (!jacobians) {
     if (!instance.table->evaluate(instance.self, blocks, residual, nullptr, &error))
-      return Fail(id, error.message[0] ? error.message : "could not be evaluated");
+      return Fail(id, Reason(&error, "could not be evaluated"));
     if (!AllFinite(residual, rows)) return Fail(id, "returned a residual that is not finite");
     if (whiten) whiteners_[factor.noise_id].Apply(residual, rows, 1, 1);
     return true;
@@ -177,7 +175,7 @@ bool Evaluation::Evaluate(FactorId id, const double* const* blocks, double* resi
   }
 
   if (!instance.table->evaluate(instance.self, blocks, residual, targets.data(), &error))
-    return Fail(id, error.message[0] ? error.message : "could not be evaluated");
+    return Fail(id, Reason(&error, "could not be evaluated"));
   if (!AllFinite(residual, rows)) return Fail(id, "returned a residual that is not finite");
 
   const Whitener& whitener = whiteners_[factor.noise_id];
@@ -209,6 +207,8 @@ bool Evaluation::Evaluate(FactorId id, const double* const* blocks, double* resi
   }
   if (whiten) whitener.Apply(residual, rows, 1, 1);
   return true;
+} catch (...) {
+  return Fail(id, ThrownReason());
 }
 
 void Evaluation::Blocks(FactorId id, const double* data, std::vector<const double*>* blocks) const {

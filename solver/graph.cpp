@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/guarded.hpp"
 #include "graticule/solver/nearest.hpp"
 
 namespace graticule {
@@ -43,13 +44,10 @@ int ResidualSizeOf(const FactorType& type, Span<const double> measurement,
                                    static_cast<std::int32_t>(measurement.size()),
                                    measurement.data()};
   std::int32_t residual_size = static_cast<std::int32_t>(type.schema.residual.size());
-  graticule_error error{};
+  std::string why;
   void* made =
-      type.table->create(&c, static_cast<std::int32_t>(block_count), &residual_size, &error);
-  if (!made) {
-    error.message[sizeof(error.message) - 1] = 0;
-    throw Error(error.message[0] ? error.message : "refused without a reason");
-  }
+      CreateFactor(*type.table, c, static_cast<std::int32_t>(block_count), &residual_size, &why);
+  if (!made) throw Error(why);
   type.table->destroy(made);
   if (residual_size < 1 || residual_size > 100000 ||
       (!type.schema.repeats_last_residual &&

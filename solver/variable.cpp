@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/rotation.hpp"
@@ -89,6 +90,7 @@ void Se3Minus(const double* y, const double* x, double* delta) {
 int32_t So3Normalise(double* x) { return NormaliseQuaternion(x); }
 int32_t Se3Normalise(double* x) { return NormaliseQuaternion(x + 3); }
 
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr uint32_t kTableSize = sizeof(graticule_variable_type_v1);
 
 constexpr graticule_variable_type_v1 kSe2 = {
@@ -149,25 +151,54 @@ Span<const graticule_variable_type_v1* const> BuiltinVariableTables() {
   return {kTables, std::size(kTables)};
 }
 
+// A plug-in's functions must not throw; where one does, nan stops whoever needed the numbers, with
+// a factor's name attached.
+
 void VariableType::Plus(const double* x, const double* delta, double* x_plus_delta) const {
-  if (manifold) return manifold->plus(x, delta, x_plus_delta);
-  for (int i = 0; i < Size(); ++i) x_plus_delta[i] = x[i] + delta[i];
+  if (!manifold) {
+    for (int i = 0; i < Size(); ++i) x_plus_delta[i] = x[i] + delta[i];
+    return;
+  }
+  try {
+    manifold->plus(x, delta, x_plus_delta);
+  } catch (...) {
+    std::fill(x_plus_delta, x_plus_delta + Size(), kNan);
+  }
 }
 
 void VariableType::Minus(const double* y, const double* x, double* y_minus_x) const {
-  if (manifold) return manifold->minus(y, x, y_minus_x);
-  for (int i = 0; i < Size(); ++i) y_minus_x[i] = y[i] - x[i];
+  if (!manifold) {
+    for (int i = 0; i < Size(); ++i) y_minus_x[i] = y[i] - x[i];
+    return;
+  }
+  try {
+    manifold->minus(y, x, y_minus_x);
+  } catch (...) {
+    std::fill(y_minus_x, y_minus_x + TangentSize(), kNan);
+  }
 }
 
 void VariableType::PlusJacobian(const double* x, double* jacobian) const {
-  if (manifold) return manifold->plus_jacobian(x, jacobian);
   const int n = Size();
-  std::fill(jacobian, jacobian + n * n, 0.0);
-  for (int i = 0; i < n; ++i) jacobian[i * n + i] = 1;
+  if (!manifold) {
+    std::fill(jacobian, jacobian + n * n, 0.0);
+    for (int i = 0; i < n; ++i) jacobian[i * n + i] = 1;
+    return;
+  }
+  try {
+    manifold->plus_jacobian(x, jacobian);
+  } catch (...) {
+    std::fill(jacobian, jacobian + n * TangentSize(), kNan);
+  }
 }
 
 bool VariableType::Normalise(double* x) const {
-  return !manifold || !manifold->normalise || manifold->normalise(x) != 0;
+  if (!manifold || !manifold->normalise) return true;
+  try {
+    return manifold->normalise(x) != 0;
+  } catch (...) {
+    return false;
+  }
 }
 
 VariableType MakeVariableType(const graticule_variable_type_v1& table, std::string origin) {

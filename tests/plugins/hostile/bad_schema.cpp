@@ -1,0 +1,6 @@
+#include "bent.hpp"
+
+BENT_ENTRY {
+  bent::factor.schema = "x:vector1 | x";
+  return &bent::plugin;
+}

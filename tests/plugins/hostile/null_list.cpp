@@ -1,0 +1,6 @@
+#include "bent.hpp"
+
+BENT_ENTRY {
+  bent::plugin.factor_types = nullptr;
+  return &bent::plugin;
+}

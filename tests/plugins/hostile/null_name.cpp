@@ -1,0 +1,6 @@
+#include "bent.hpp"
+
+BENT_ENTRY {
+  bent::factor.name = nullptr;
+  return &bent::plugin;
+}

@@ -1,0 +1,6 @@
+#include "bent.hpp"
+
+BENT_ENTRY {
+  bent::plugin.size = 16;
+  return &bent::plugin;
+}

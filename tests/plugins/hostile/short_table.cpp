@@ -1,0 +1,6 @@
+#include "bent.hpp"
+
+BENT_ENTRY {
+  bent::factor.size = 40;
+  return &bent::plugin;
+}

@@ -1,0 +1,3 @@
+#include "bent.hpp"
+
+BENT_ENTRY { return &bent::plugin; }

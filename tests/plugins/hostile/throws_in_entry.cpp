@@ -1,0 +1,5 @@
+#include "bent.hpp"
+
+#include <stdexcept>
+
+BENT_ENTRY { throw std::runtime_error("out of cheese"); }
