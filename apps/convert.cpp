@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include "commands.hpp"
-#include "graticule/solver/provenance.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -10,8 +9,7 @@ int Run(const ConvertCommand& command, const Console& console) {
   ExpectEnding(command.output, "OUT", {".fg", ".g2o", ".graph", ".bal", ".txt"});
   ExpectWritable(command.output);
   Recording recording = Load(command.input, command.reading, LoadTypes(command.reading), console);
-  if (recording.made_by.empty())
-    recording.made_by = fmt::format("graticule {} convert {}", Version(), command.input);
+  if (recording.made_by.empty()) recording.made_by = MadeBy(console);
   WriteOptions options;
   options.binary = command.binary;
   for (const std::string& note : WriteProblem(command.output, recording, options))

@@ -11,6 +11,7 @@
 #include "graticule/io/trajectory.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/plugin.hpp"
+#include "graticule/solver/provenance.hpp"
 
 namespace graticule::apps {
 namespace {
@@ -98,6 +99,10 @@ std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::stri
     files.emplace_back(file.string(), family);
   }
   return files;
+}
+
+std::string MadeBy(const Console& console) {
+  return fmt::format("graticule {} {}", Version(), console.invocation);
 }
 
 std::string CountVariables(const Graph& graph) {

@@ -36,6 +36,9 @@ void ExpectEnding(const std::string& path, const char* option,
 std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::string& path,
                                                                  const Graph& graph);
 
+/// Who made a recording: "graticule 0.1.0 simulate city --seed 1 -o city.fg".
+std::string MadeBy(const Console& console);
+
 /// "1234 se2/1, 20 point2/1": how many of each type.
 std::string CountVariables(const Graph& graph);
 std::string CountFactors(const Graph& graph);

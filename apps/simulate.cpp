@@ -8,7 +8,6 @@
 #include "graticule/io/trajectory.hpp"
 #include "graticule/problems/bundle/simulate.hpp"
 #include "graticule/problems/pose_graph/simulate.hpp"
-#include "graticule/solver/provenance.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -20,8 +19,7 @@ void Write(const SimulateCommand& command, const Graph& graph, const Values& tru
   Recording recording(graph.Types());
   recording.graph = graph;
   recording.title = title;
-  recording.made_by =
-      fmt::format("graticule {} simulate {} --seed {}", Version(), command.kind, command.seed);
+  recording.made_by = MadeBy(console);
   WriteOptions options;
   options.binary = command.binary;
   WriteProblem(command.output, recording, options);

@@ -394,6 +394,10 @@ void CeresBridge::Run(const Observer& watch, Report* report) {
   std::transform(report->linear_solver.begin(), report->linear_solver.end(),
                  report->linear_solver.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (report->linear_solver.find("sparse") != std::string::npos)
+    report->linear_solver += m.options.sparse_linear_algebra_library_type == ceres::SUITE_SPARSE
+                                 ? " (suite_sparse)"
+                                 : " (eigen_sparse)";
 }
 
 std::string CeresVersion() { return CERES_VERSION_STRING; }

@@ -8,6 +8,7 @@
 
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/guarded.hpp"
+#include "graticule/solver/plugin.hpp"
 
 namespace graticule {
 namespace {
@@ -27,11 +28,13 @@ void RefuseUnknownTypes(const Graph& graph) {
     if (!type->Known()) ++missing[type->name];
   }
   if (!missing.empty()) {
-    std::string text;
+    std::string text, folders;
+    for (const std::string& folder : PluginPath())
+      folders += (folders.empty() ? "" : ", ") + folder;
     for (const auto& [name, count] : missing)
       text += (text.empty() ? "" : "; ") + ("factor type " + name + " is not loaded; ") +
               std::to_string(count) + (count == 1 ? " factor needs it" : " factors need it");
-    throw Error(text, ErrorKind::kMissingType);
+    throw Error(text + " (plug-ins are looked for in " + folders + ")", ErrorKind::kMissingType);
   }
   for (VariableId id = 0; id < graph.VariableCount(); ++id)
     if (!graph.TypeOf(id).known)
@@ -78,13 +81,13 @@ Evaluation::Evaluation(const Graph& graph) : graph_(graph) {
   instances_.resize(graph.FactorCount());
   whiteners_.resize(graph.NoiseCount());
   std::vector<bool> whitened(graph.NoiseCount(), false);
+  std::string why;
   for (FactorId id = 0; id < graph.FactorCount(); ++id) {
     const FactorView factor = graph.FactorAt(id);
     const graticule_measurement measurement = {sizeof(graticule_measurement),
                                                static_cast<std::int32_t>(factor.measurement.size()),
                                                factor.measurement.data()};
     std::int32_t residual_size = graph.ResidualSize(id);
-    std::string why = "it changed its number of residuals";
     instances_[id].table = factor.type->table;
     instances_[id].self =
         CreateFactor(*factor.type->table, measurement,
@@ -92,6 +95,7 @@ Evaluation::Evaluation(const Graph& graph) : graph_(graph) {
     const bool repeated = HasRepeatedKey(factor);
     if (!instances_[id].self || residual_size != graph.ResidualSize(id) || repeated) {
       if (repeated) why = "the same key twice";
+      if (why.empty()) why = "it changed its number of residuals";
       Destroy();
       throw Error(Describe(graph, id) + ": " + why);
     }

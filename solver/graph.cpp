@@ -21,6 +21,11 @@ bool AllFinite(Span<const double> values) {
   return true;
 }
 
+std::string OffManifold(const Key& key, const VariableType& type) {
+  return "variable " + key.ToString() + ": these numbers are not a " + type.name + " (" +
+         type.summary + ")";
+}
+
 template <class Type>
 std::size_t IndexOf(const std::deque<Type>& types, std::string_view name) {
   std::size_t i = 0;
@@ -178,8 +183,7 @@ VariableId Graph::Add(const Key& key, TypeId type, Span<const double> value, boo
   data_.insert(data_.end(), value.begin(), value.end());
   if (!variable_type.Normalise(data_.data() + first)) {
     data_.resize(first);
-    throw Error("variable " + key.ToString() + ": not a " + variable_type.name + " (" +
-                (variable_type.manifold ? variable_type.summary : "") + ")");
+    throw Error(OffManifold(key, variable_type));
   }
   const VariableId id = MutableLayout().Add(key, value.size());
   if (id == Layout::kNone) {
@@ -195,17 +199,23 @@ void Graph::SetValue(VariableId id, Span<const double> value) {
   if (value.size() != layout_->Size(id) || !AllFinite(value))
     throw Error("variable " + KeyOf(id).ToString() + ": expected " +
                 std::to_string(layout_->Size(id)) + " finite numbers");
-  std::copy(value.begin(), value.end(),
+  std::vector<double> normalised(value.begin(), value.end());
+  if (!TypeOf(id).Normalise(normalised.data())) throw Error(OffManifold(KeyOf(id), TypeOf(id)));
+  std::copy(normalised.begin(), normalised.end(),
             data_.begin() + static_cast<std::ptrdiff_t>(layout_->Offset(id)));
 }
 
 void Graph::SetValues(const Values& values) {
-  if (values.layout_ == layout_) {
-    if (!AllFinite(values.data_)) throw Error("expected finite values, found nan or inf");
-    data_ = values.data_;
+  if (values.layout_ != layout_) {
+    for (VariableId id = 0; id < values.Count(); ++id) SetValue(IdOf(values.KeyOf(id)), values[id]);
     return;
   }
-  for (VariableId id = 0; id < values.Count(); ++id) SetValue(IdOf(values.KeyOf(id)), values[id]);
+  if (!AllFinite(values.data_)) throw Error("expected finite values, found nan or inf");
+  std::vector<double> data = values.data_;
+  for (VariableId id = 0; id < VariableCount(); ++id)
+    if (!TypeOf(id).Normalise(data.data() + layout_->Offset(id)))
+      throw Error(OffManifold(KeyOf(id), TypeOf(id)));
+  data_ = std::move(data);
 }
 
 void Graph::Reserve(std::size_t variables, std::size_t factors) {
