@@ -208,10 +208,9 @@ class Reader {
     double measurement[kMaxMeasurement];
     int size = tag.size;
     if (tag.quaternion < 0) {
+      const int angle = tag.a == VertexKind::kPose2 ? (size == 1 ? 0 : 2) : -1;
       for (int i = 0; i < size; ++i)
-        measurement[i] = reader_.Double(size == 1 || (tag.residual == 3 && i == 2 && !offset)
-                                            ? "the measured angle"
-                                            : kMeasuredFields[i]);
+        measurement[i] = reader_.Double(i == angle ? "the measured angle" : kMeasuredFields[i]);
     } else {
       for (int i = 0; i < 3; ++i) measurement[i] = reader_.Double(kMeasuredFields[i]);
       ReadQuaternion(&reader_, kMeasuredFields + 3, measurement + 3);

@@ -1,8 +1,11 @@
 #include "graticule/io/file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <csignal>
 
 #include "graphs.hpp"
 
@@ -79,6 +82,25 @@ TEST(File, LeavesTheOldContentsWhereItFails) {
   const TemporaryDirectory directory;
   EXPECT_THROW(WriteFile(directory / "none/file", "contents"), Error);
   EXPECT_EQ(FilesIn(directory), 0u);
+}
+
+// The limit on a file's size stands in for a full disk: write() fails half-way all the same.
+TEST(File, LeavesTheOldContentsWhereTheDiskFillsUp) {
+  const TemporaryDirectory directory;
+  WriteFile(directory / "file", "old");
+  struct rlimit before {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  struct rlimit small = before;
+  small.rlim_cur = 4096;
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::string message =
+      MessageOf([&] { WriteFile(directory / "file", std::string(100000, 'x')); });
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(message, directory / "file" + std::string(": File too large"));
+  EXPECT_EQ(ReadFile(directory / "file"), "old");
+  EXPECT_EQ(FilesIn(directory), 1u) << "the temporary file was left";
 }
 
 TEST(File, KeepsModeAndSymbolicLinks) {
