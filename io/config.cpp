@@ -96,9 +96,10 @@ std::vector<ConfigEntry> ParseConfig(std::string_view text, const std::string& n
     while (parser.HandleNextDocument(handler)) {
     }
   } catch (const YAML::Exception& error) {
-    if (error.mark.is_null()) throw Error(name + ": not YAML: " + error.msg);
+    if (error.mark.is_null()) throw Error(name + ": not YAML: " + Printable(error.msg));
     throw Error(name, static_cast<std::size_t>(error.mark.line + 1),
-                static_cast<std::size_t>(error.mark.column + 1), "not YAML: " + error.msg);
+                static_cast<std::size_t>(error.mark.column + 1),
+                "not YAML: " + Printable(error.msg));
   }
   return entries;
 }

@@ -52,7 +52,7 @@ class ByteReader {
   std::string_view Text(std::size_t size) { return Take(size); }
 
   [[noreturn]] void Fail(const std::string& message) const {
-    throw Error(name_ + ": at byte " + std::to_string(offset_) + ": " + message);
+    throw Error(name_ + ": at byte " + std::to_string(offset_) + ": " + Printable(message));
   }
 
  private:

@@ -166,7 +166,7 @@ std::size_t TextReader::LineNumber(std::size_t offset) const {
 void TextReader::FailAt(std::size_t offset, const std::string& message) const {
   std::size_t line_begin = offset;
   while (line_begin > 0 && begin_[line_begin - 1] != '\n') --line_begin;
-  throw Error(std::string(name_), LineNumber(offset), offset - line_begin + 1, message);
+  throw Error(std::string(name_), LineNumber(offset), offset - line_begin + 1, Printable(message));
 }
 
 void TextReader::FailExpected(const char* expected, const char* what) {
@@ -181,18 +181,22 @@ void TextReader::FailExpected(const char* expected, const char* what) {
   Fail(message);
 }
 
-std::string Quoted(std::string_view word) {
-  constexpr std::size_t kLongest = 60;
+std::string Printable(std::string_view text) {
   constexpr char kHex[] = "0123456789abcdef";
-  std::string text = "'";
-  for (const char c : word.substr(0, kLongest)) {
+  std::string printable;
+  for (const char c : text) {
     if (c >= ' ' && c <= '~') {
-      text += c;
+      printable += c;
     } else {
-      text += {'\\', 'x', kHex[(c >> 4) & 15], kHex[c & 15]};
+      printable += {'\\', 'x', kHex[(c >> 4) & 15], kHex[c & 15]};
     }
   }
-  return text + (word.size() > kLongest ? "...'" : "'");
+  return printable;
+}
+
+std::string Quoted(std::string_view word) {
+  constexpr std::size_t kLongest = 60;
+  return "'" + Printable(word.substr(0, kLongest)) + (word.size() > kLongest ? "...'" : "'");
 }
 
 void AppendNumber(std::string* text, double number) {

@@ -73,6 +73,10 @@ class TextReader {
   bool started_ = false;  // NextLine was called: the cursor is in a line that it has to leave
 };
 
+/// Bytes that are not printable ASCII as \x1b: an error message is one line, and no file's contents
+/// steer a terminal.
+std::string Printable(std::string_view text);
+
 /// A word of a file for an error message: in quotes, cut after 60 bytes, unprintable bytes as \x1b.
 std::string Quoted(std::string_view word);
 
