@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 
@@ -36,5 +37,12 @@ class Error : public std::runtime_error {
  private:
   ErrorKind kind_;
 };
+
+/// A number as messages show it: "1e-09", not "0.000000".
+inline std::string Shown(double number) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.6g", number);
+  return text;
+}
 
 }  // namespace graticule

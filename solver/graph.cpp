@@ -22,7 +22,7 @@ bool AllFinite(Span<const double> values) {
 }
 
 std::string OffManifold(const Key& key, const VariableType& type) {
-  return "variable " + key.ToString() + ": these numbers are not a " + type.name + " (" +
+  return "variable " + key.ToString() + ": not a " + type.name + " (" +
          type.summary + ")";
 }
 

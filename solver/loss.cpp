@@ -95,7 +95,7 @@ Loss MakeLoss(std::string_view name, double scale) {
   for (std::size_t i = 0; i < std::size(kRows); ++i) {
     if (kRows[i].name != name) continue;
     if (!std::isfinite(scale) || scale <= 0)
-      throw Error("expected a loss scale above zero, found " + std::to_string(scale));
+      throw Error("expected a loss scale above zero, found " + Shown(scale));
     return {static_cast<LossKind>(i), scale};
   }
   throw Error("there is no loss '" + std::string(name.substr(0, 60)) + "'" +

@@ -73,7 +73,7 @@ void CheckNoise(NoiseView noise, int residual_size) {
                     std::to_string(count));
       for (const double sigma : noise.values)
         if (!(sigma > 0))
-          throw Error("expected standard deviations above zero, found " + std::to_string(sigma));
+          throw Error("expected standard deviations above zero, found " + Shown(sigma));
       return;
     case NoiseKind::kInformation:
       if (count != TriangleSize(residual_size))

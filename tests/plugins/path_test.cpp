@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <filesystem>
 
@@ -15,7 +17,7 @@ using testing::PluginFile;
 class PluginSearch : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = ::testing::TempDir() + "graticule_plugin_path";
+    folder_ = ::testing::TempDir() + "graticule_plugin_path_" + std::to_string(getpid());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_ + "/a");
     std::filesystem::create_directories(folder_ + "/b");
