@@ -120,7 +120,9 @@ void AddGaps(const std::string& best_known, std::vector<ComparisonRun>* runs) {
     run.best_known = known != best.end()     ? known->second
                      : found != lowest.end() ? found->second
                                              : std::nan("");
-    run.gap = (run.report.final_cost - run.best_known) / std::max(std::abs(run.best_known), 1e-300);
+    // Where the optimum is zero a ratio means nothing: then relative to the start, far below it.
+    run.gap = (run.report.final_cost - run.best_known) /
+              std::max({std::abs(run.best_known), 1e-12 * run.report.initial_cost, 1e-300});
   }
 }
 

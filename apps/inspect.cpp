@@ -71,7 +71,7 @@ Json Pieces(const Graph& graph, const Structure& structure) {
                     {"variables", piece.variables},
                     {"factors", piece.factors},
                     {"held_by", piece.has_fixed      ? "a fixed variable"
-                                : piece.has_absolute ? "absolute factors"
+                                : piece.has_absolute ? "factors that may be absolute"
                                                      : "nothing"},
                     {"anchor", piece.IsLoose() ? graph.KeyOf(piece.anchor).ToString() : ""}});
   return json;

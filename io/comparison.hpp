@@ -18,7 +18,8 @@ struct ComparisonRun {
   Report report;
   /// The lowest cost known for this file; nan: none is.
   double best_known = std::numeric_limits<double>::quiet_NaN();
-  /// Relative: (final cost - best known) / best known; nan: unknown.
+  /// (final cost - best known) / best known; where that is nearly zero, relative to 1e-12 of the
+  /// initial cost; nan: unknown.
   double gap = std::numeric_limits<double>::quiet_NaN();
   std::size_t repeats = 1;
   Timing median;  ///< over the repeats, each phase for itself

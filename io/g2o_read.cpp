@@ -47,6 +47,7 @@ class Reader {
       reader_.FailAt(0, reader_.Size() == 0 ? "the file is empty"
                                             : "there is no vertex and no edge in this g2o file");
     if (rotation_used_) recording_.g2o_rotation = rotation_;
+    NamePoseSources(&recording_.graph);
     return std::move(recording_);
   }
 
@@ -176,7 +177,7 @@ class Reader {
       const std::uint64_t b = reader_.Integer("the id of the edge's second vertex");
       if ((variables[1] = VertexOf(b, tag.b)) == Layout::kNone) return false;
       count = 2;
-      if (!source) source = PoseSource(a, b);
+      if (!source) source = "";  // named at the end, when all poses are known
     }
     const Offset* offset = nullptr;
     if (tag.has_parameter) {

@@ -32,7 +32,7 @@ class Panel {
       attributes.insert(attributes.end(), {{"stroke-width", ".5"}, {"stroke-opacity", ".7"}});
       return attributes;
     }();
-    svg->Path(Segments(drawing_.landmark_edges), faint);
+    DrawSegments(svg, drawing_.landmark_edges, faint, "");
     DrawLoops(svg, false);
     DrawTrajectories(svg);
     DrawLandmarks(svg);
@@ -52,16 +52,25 @@ class Panel {
 
   bool Drawable(const Edge& edge) const { return Finite(nodes_[edge.a]) && Finite(nodes_[edge.b]); }
 
-  PathData Segments(const std::vector<std::uint32_t>& edges) const {
+  // In pieces: cairo unites the strokes of one path, which takes far longer than drawing them where
+  // thousands cross.
+  void DrawSegments(Svg* svg, const std::vector<std::uint32_t>& edges, const Attributes& stroke,
+                    const std::string& title) const {
+    constexpr std::size_t kPiece = 100;
     PathData path(drawing_.decimals);
+    std::size_t in_piece = 0;
     for (const std::uint32_t i : edges) {
       const Edge& edge = drawing_.graph.edges[i];
       if (!Drawable(edge)) continue;
       const auto [ax, ay] = Place(edge.a);
       const auto [bx, by] = Place(edge.b);
       path.Segment(ax, ay, bx, by);
+      if (++in_piece < kPiece) continue;
+      svg->Path(path, stroke, title);
+      path = PathData(drawing_.decimals);
+      in_piece = 0;
     }
-    return path;
+    if (!path.Empty()) svg->Path(path, stroke, title);
   }
 
   void DrawLoops(Svg* svg, bool on_top) const {
@@ -71,10 +80,11 @@ class Panel {
       const double bound = loops.LowerBound(step);
       if (loops.steps[step].empty() || (bound >= kOnTop * 0.9) != on_top) continue;
       Attributes stroke = RampStroke(step, on_top ? base * 1.5 : base);
-      svg->Path(Segments(loops.steps[step]), stroke,
-                fmt::format("{} loop closures, chi2 per residual {} {}",
-                            ReadableCount(loops.steps[step].size()), step == 0 ? "below" : "from",
-                            ReadableNumber(loops.LowerBound(step == 0 ? 1 : step), 2)));
+      DrawSegments(
+          svg, loops.steps[step], stroke,
+          fmt::format("{} loop closures, chi2 per residual {} {}",
+                      ReadableCount(loops.steps[step].size()), step == 0 ? "below" : "from",
+                      ReadableNumber(loops.LowerBound(step == 0 ? 1 : step), 2)));
     }
   }
 

@@ -105,4 +105,31 @@ void ReadQuaternion(TextReader* reader, const char* const what[4], double* q) {
   reader->FailAt(place, "expected a unit quaternion (qx qy qz qw), found one of length " + text);
 }
 
+void NamePoseSources(Graph* graph) {
+  const auto is_pose = [&](VariableId id) {
+    const std::string& type = graph->TypeOf(id).name;
+    return type == "se2/1" || type == "se3/1";
+  };
+  // Ranks of poses in key order; a family begins two further on, so that none follows another's.
+  constexpr std::uint32_t kNoPose = 0xffffffffu;
+  std::vector<std::uint32_t> rank(graph->VariableCount(), kNoPose);
+  std::uint32_t next = 0;
+  std::string_view family;
+  for (const VariableId id : graph->KeyOrder()) {
+    if (!is_pose(id)) continue;
+    if (graph->KeyOf(id).Family() != family) {
+      family = graph->KeyOf(id).Family();
+      ++next;
+    }
+    rank[id] = next++;
+  }
+  for (FactorId id = 0; id < graph->FactorCount(); ++id) {
+    const FactorView factor = graph->FactorAt(id);
+    if (!factor.source.empty() || factor.variables.size() != 2) continue;
+    const std::uint32_t a = rank[factor.variables[0]], b = rank[factor.variables[1]];
+    if (a == kNoPose || b == kNoPose) continue;
+    graph->SetSource(id, (a > b ? a - b : b - a) == 1 ? "odometry" : "loop");
+  }
+}
+
 }  // namespace graticule

@@ -75,9 +75,9 @@ bool NormaliseQuaternion(double* q);
 /// Reads x y z w and normalises them.
 void ReadQuaternion(TextReader* reader, const char* const what[4], double* q);
 
-/// "odometry" where two poses follow each other by number, otherwise "loop".
-inline const char* PoseSource(std::uint64_t a, std::uint64_t b) {
-  return (a > b ? a - b : b - a) == 1 ? "odometry" : "loop";
-}
+/// Names the source of the factors between two poses that have none yet: "odometry" where no other
+/// pose of the family stands between them by number (landmarks may: they share g2o's numbers), else
+/// "loop".
+void NamePoseSources(Graph* graph);
 
 }  // namespace graticule

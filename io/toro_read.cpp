@@ -35,6 +35,7 @@ class Reader {
     if (recording_.graph.VariableCount() == 0)
       reader_.FailAt(0, reader_.Size() == 0 ? "the file is empty"
                                             : "there is no vertex and no edge in this TORO file");
+    NamePoseSources(&recording_.graph);
     return std::move(recording_);
   }
 
@@ -135,7 +136,7 @@ class Reader {
       graph.Add(graph.FactorTypeId(space ? "between_se3/1" : "between_se2/1"), {variables, 2},
                 {measurement, static_cast<std::size_t>(space ? 7 : 3)},
                 {NoiseKind::kInformation, {information, static_cast<std::size_t>(entries)}}, Loss(),
-                equivalent ? "equiv" : PoseSource(a, b));
+                equivalent ? "equiv" : "");
     } catch (const Error& error) {
       RethrowAt(reader_, place, error);
     }

@@ -85,6 +85,9 @@ class Graph {
   Factor FactorRecord(FactorId id) const;
   int ResidualSize(FactorId id) const { return factors_[id].residual_size; }
   std::size_t NoiseCount() const { return noises_.size(); }
+  void SetSource(FactorId id, std::string_view source) {
+    factors_[id].source = InternSource(source);
+  }
   /// Replaces every factor's loss.
   void SetLosses(const Loss& loss);
   void SetLoss(FactorId id, const Loss& loss) { factors_[id].loss = loss; }

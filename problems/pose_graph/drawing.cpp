@@ -67,10 +67,13 @@ GraphPlot PlotOf(const Graph& graph, const Values& before, const Values& after,
   for (const VariableId id : graph.KeyOrder()) {
     const VariableType& type = graph.TypeOf(id);
     if (!IsPose(type) && !IsPoint(type)) continue;
-    const auto [group, is_new] = groups.emplace(std::string(graph.KeyOf(id).Family()),
-                                                static_cast<std::uint32_t>(plot.groups.size()));
-    if (is_new) plot.groups.emplace_back(graph.KeyOf(id).Family());
-    const std::uint32_t group_id = group->second;
+    std::uint32_t group_id = 0;  // landmarks are marks, in no robot's colour
+    if (IsPose(type)) {
+      const auto [group, is_new] = groups.emplace(std::string(graph.KeyOf(id).Family()),
+                                                  static_cast<std::uint32_t>(plot.groups.size()));
+      if (is_new) plot.groups.emplace_back(graph.KeyOf(id).Family());
+      group_id = group->second;
+    }
     const auto node = [&](const Values& values) {
       return GraphPlot::Node{values[id][axes.x], values[id][axes.y], group_id};
     };
@@ -79,6 +82,7 @@ GraphPlot PlotOf(const Graph& graph, const Values& before, const Values& after,
     plot.before.push_back(node(before));
     plot.after.push_back(node(after));
   }
+  if (plot.groups.empty()) plot.groups.emplace_back("points");
   const std::vector<double> chi2 = FactorChi2(graph, after);
   for (FactorId id = 0; id < graph.FactorCount(); ++id) {
     const FactorView factor = graph.FactorAt(id);

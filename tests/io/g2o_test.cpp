@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "graphs.hpp"
 #include "graticule/io/file.hpp"
 #include "test_registry.hpp"
@@ -40,6 +42,21 @@ const char* const kPlane =
     "EDGE_PRIOR_SE2 0 1 2 3 1 0 0 1 0 1\nEDGE_SE2_PRIOR 1 1 2 3 1 0 0 1 0 1\n"
     "EDGE_PRIOR_SE2_XY 4 1 2 3 0 4\n";
 
+TEST(G2o, CallsItOdometryWhereNoOtherPoseStandsBetween) {
+  // Landmark 1 shares the poses' numbers; the edge that comes first needs a vertex that comes last.
+  const Recording recording = Read(
+      "EDGE_SE2 0 2 1 0 0 1 0 0 1 0 1\nVERTEX_SE2 0 0 0 0\nVERTEX_XY 1 5 6\nVERTEX_SE2 2 1 0 0\n"
+      "VERTEX_SE2 3 2 0 0\nEDGE_SE2 3 2 1 0 0 1 0 0 1 0 1\nEDGE_SE2 0 3 1 0 0 1 0 0 1 0 1\n");
+  std::map<std::string, std::string> sources;
+  for (FactorId id = 0; id < recording.graph.FactorCount(); ++id) {
+    const Factor factor = recording.graph.FactorRecord(id);
+    sources[factor.keys[0].ToString() + " " + factor.keys[1].ToString()] = factor.source;
+  }
+  EXPECT_EQ(sources["pose:0 pose:2"], "odometry");
+  EXPECT_EQ(sources["pose:3 pose:2"], "odometry");
+  EXPECT_EQ(sources["pose:0 pose:3"], "loop");
+}
+
 TEST(G2o, ReadsEveryTagOfThePlane) {
   const Recording recording = Read(kPlane);
   const Graph& graph = recording.graph;
@@ -48,8 +65,8 @@ TEST(G2o, ReadsEveryTagOfThePlane) {
   EXPECT_TRUE(graph.IsFixed(0) && !graph.IsFixed(1) && graph.IsFixed(2));
   const char* const types[] = {"between_se2/1", "between_se2/1", "landmark_se2/1", "bearing_se2/1",
                                "prior_se2/1",   "prior_se2/1",   "position_se2/1"};
-  const char* const sources[] = {"odometry", "loop",  "landmark", "landmark",
-                                 "prior",    "prior", "prior"};
+  const char* const sources[] = {"odometry", "odometry", "landmark", "landmark",
+                                 "prior",    "prior",    "prior"};
   ASSERT_EQ(graph.FactorCount(), 7u);
   for (FactorId id = 0; id < 7; ++id) {
     EXPECT_EQ(graph.FactorAt(id).type->name, types[id]);

@@ -22,7 +22,7 @@ std::string Write(const Recording& recording) {
 TEST(Toro, ReadsThePlaneWithItsOrderOfTheInformation) {
   const Recording recording = Read(
       "VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0.5\nVERTEX2 5 1 0 0.5\n"
-      "EDGE2 0 1 1 2 0.5 11 12 22 33 13 23\nEDGE2 1 5 1 2 0.5 11 0 22 33 0 0\n");
+      "EDGE2 0 1 1 2 0.5 11 12 22 33 13 23\nEDGE2 0 5 1 2 0.5 11 0 22 33 0 0\n");
   const Graph& graph = recording.graph;
   const Span<const double> information = graph.FactorAt(0).noise.values;
   const double expected[6] = {11, 12, 13, 22, 23, 33};
