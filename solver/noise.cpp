@@ -72,7 +72,7 @@ void CheckNoise(NoiseView noise, int residual_size) {
         throw Error("expected 1 or " + std::to_string(n) + " standard deviations, found " +
                     std::to_string(count));
       for (const double sigma : noise.values)
-        if (!(sigma > 0))
+        if (!(sigma > 0) || !std::isfinite(1 / sigma))
           throw Error("expected standard deviations above zero, found " + Shown(sigma));
       return;
     case NoiseKind::kInformation:
