@@ -95,6 +95,7 @@ bool CheckFactor(const Evaluation& evaluation, FactorId id, const double* data, 
 
 std::vector<JacobianCheck> CheckJacobians(const Graph& graph, const Values& values,
                                           double tolerance) {
+  graph.CheckLayout(values);
   const Evaluation evaluation(graph);
   std::vector<JacobianCheck> checks(graph.UsedFactorTypes().size());
   for (std::size_t t = 0; t < checks.size(); ++t) checks[t].type = graph.UsedFactorTypes()[t].name;
@@ -103,7 +104,8 @@ std::vector<JacobianCheck> CheckJacobians(const Graph& graph, const Values& valu
     JacobianCheck& check = checks[graph.FactorTypeIndex(id)];
     ++check.checked;
     if (CheckFactor(evaluation, id, values.Data().data(), tolerance, &work, &check)) continue;
-    if (check.failed++ == 0) check.failure = evaluation.FirstFailure();
+    const std::string failure = evaluation.TakeFailure();
+    if (check.failed++ == 0) check.failure = failure;
   }
   checks.erase(
       std::remove_if(checks.begin(), checks.end(), [](const auto& c) { return c.checked == 0; }),

@@ -130,6 +130,7 @@ void Summarise(const Graph& graph, Diagnosis* diagnosis) {
 
 Diagnosis Diagnose(const Graph& graph, const Values& values,
                    const std::vector<VariableId>& anchors) {
+  graph.CheckLayout(values);
   const NumericGuard guard;
   const Evaluation evaluation(graph);
   const TangentIndex index(graph, anchors);

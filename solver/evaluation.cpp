@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/guarded.hpp"
@@ -127,6 +128,12 @@ bool Evaluation::Fail(FactorId id, const std::string& why) const {
 std::string Evaluation::FirstFailure() const {
   const std::lock_guard<std::mutex> lock(failure_mutex_);
   return failure_;
+}
+
+std::string Evaluation::TakeFailure() const {
+  const std::lock_guard<std::mutex> lock(failure_mutex_);
+  failed_ = kNone;
+  return std::exchange(failure_, "");
 }
 
 bool Evaluation::Whitened(FactorId id, const double* const* blocks, double* residual,

@@ -43,6 +43,8 @@ class Evaluation {
 
   /// Which factor failed first, with its keys and reason; "" if none did.
   std::string FirstFailure() const;
+  /// The same, and forgets it: what fails next is the first again.
+  std::string TakeFailure() const;
 
  private:
   struct Instance {
@@ -58,7 +60,8 @@ class Evaluation {
   std::vector<Instance> instances_;
   std::vector<Whitener> whiteners_;  // by noise id
   mutable std::mutex failure_mutex_;
-  mutable FactorId failed_ = 0xffffffffu;
+  static constexpr FactorId kNone = 0xffffffffu;
+  mutable FactorId failed_ = kNone;
   mutable std::string failure_;
 };
 

@@ -81,6 +81,20 @@ Layout& Graph::MutableLayout() {
   return *layout_;
 }
 
+template <class Action>
+auto Graph::AddOrForgetTypes(Action&& add) {
+  const std::size_t variable_types = variable_types_.size(), factor_types = factor_types_.size();
+  try {
+    return add();
+  } catch (...) {
+    while (variable_types_.size() > variable_types) variable_types_.pop_back();
+    while (factor_types_.size() > factor_types) factor_types_.pop_back();
+    block_types_.resize(factor_types);
+    last_noise_.resize(factor_types);
+    throw;
+  }
+}
+
 VariableId Graph::IdOf(const Key& key) const {
   const VariableId id = layout_->Find(key);
   if (id == Layout::kNone) throw Error("there is no variable " + key.ToString());
@@ -167,7 +181,7 @@ Graph::TypeId Graph::DeclareFactorType(std::string_view name, std::string_view s
 
 VariableId Graph::Add(const Key& key, std::string_view type, const std::vector<double>& value,
                       bool fixed) {
-  return Add(key, VariableTypeId(type), value, fixed);
+  return AddOrForgetTypes([&] { return Add(key, VariableTypeId(type), value, fixed); });
 }
 
 VariableId Graph::Add(const Key& key, TypeId type, Span<const double> value, bool fixed) {
@@ -195,27 +209,45 @@ VariableId Graph::Add(const Key& key, TypeId type, Span<const double> value, boo
   return id;
 }
 
-void Graph::SetValue(VariableId id, Span<const double> value) {
+std::vector<double> Graph::Normalised(VariableId id, Span<const double> value) const {
   if (value.size() != layout_->Size(id) || !AllFinite(value))
     throw Error("variable " + KeyOf(id).ToString() + ": expected " +
                 std::to_string(layout_->Size(id)) + " finite numbers");
   std::vector<double> normalised(value.begin(), value.end());
   if (!TypeOf(id).Normalise(normalised.data())) throw Error(OffManifold(KeyOf(id), TypeOf(id)));
+  return normalised;
+}
+
+void Graph::SetValue(VariableId id, Span<const double> value) {
+  const std::vector<double> normalised = Normalised(id, value);
   std::copy(normalised.begin(), normalised.end(),
             data_.begin() + static_cast<std::ptrdiff_t>(layout_->Offset(id)));
 }
 
 void Graph::SetValues(const Values& values) {
-  if (values.layout_ != layout_) {
-    for (VariableId id = 0; id < values.Count(); ++id) SetValue(IdOf(values.KeyOf(id)), values[id]);
-    return;
+  std::vector<double> data = data_;
+  for (VariableId from = 0; from < values.Count(); ++from) {
+    const VariableId id = values.layout_ == layout_ ? from : IdOf(values.KeyOf(from));
+    const std::vector<double> normalised = Normalised(id, values[from]);
+    std::copy(normalised.begin(), normalised.end(),
+              data.begin() + static_cast<std::ptrdiff_t>(layout_->Offset(id)));
   }
-  if (!AllFinite(values.data_)) throw Error("expected finite values, found nan or inf");
-  std::vector<double> data = values.data_;
-  for (VariableId id = 0; id < VariableCount(); ++id)
-    if (!TypeOf(id).Normalise(data.data() + layout_->Offset(id)))
-      throw Error(OffManifold(KeyOf(id), TypeOf(id)));
   data_ = std::move(data);
+}
+
+void Graph::CheckLayout(const Values& values) const {
+  if (values.layout_ == layout_) return;
+  if (values.Count() != VariableCount())
+    throw Error("these values are of another graph: expected those of " +
+                    std::to_string(VariableCount()) + " variables, found " +
+                    std::to_string(values.Count()),
+                ErrorKind::kUsage);
+  for (VariableId id = 0; id < VariableCount(); ++id)
+    if (values.KeyOf(id) != KeyOf(id) || values[id].size() != layout_->Size(id))
+      throw Error("these values are of another graph: expected " + KeyOf(id).ToString() +
+                      " at position " + std::to_string(id) + ", found " +
+                      values.KeyOf(id).ToString(),
+                  ErrorKind::kUsage);
 }
 
 void Graph::Reserve(std::size_t variables, std::size_t factors) {
@@ -238,11 +270,14 @@ void Graph::RefuseFactor(TypeId type, Span<const VariableId> variables,
 }
 
 FactorId Graph::Add(const Factor& factor) {
-  const TypeId type = FactorTypeId(factor.type);
-  std::vector<VariableId> variables;
-  variables.reserve(factor.keys.size());
-  for (const Key& key : factor.keys) variables.push_back(IdOf(key));
-  return Add(type, variables, factor.measurement, factor.noise.View(), factor.loss, factor.source);
+  return AddOrForgetTypes([&] {
+    const TypeId type = FactorTypeId(factor.type);
+    std::vector<VariableId> variables;
+    variables.reserve(factor.keys.size());
+    for (const Key& key : factor.keys) variables.push_back(IdOf(key));
+    return Add(type, variables, factor.measurement, factor.noise.View(), factor.loss,
+               factor.source);
+  });
 }
 
 FactorId Graph::Add(TypeId type, Span<const VariableId> variables, Span<const double> measurement,

@@ -75,6 +75,9 @@ class Graph {
   /// key, wrong size, not finite.
   Values InitialValues() const { return Values(layout_, data_); }
   void SetValues(const Values& values);
+  /// Throws Error (kUsage) unless the values are laid out as the graph's own: the same keys and
+  /// sizes, in the same order.  Values from before the last variable was added are not.
+  void CheckLayout(const Values& values) const;
   void SetValue(VariableId id, Span<const double> value);
 
   // --- factors
@@ -124,6 +127,10 @@ class Graph {
   };
 
   Layout& MutableLayout();
+  /// Runs `add`; where it throws, types that came into use only by it are not in use.
+  template <class Action>
+  auto AddOrForgetTypes(Action&& add);
+  std::vector<double> Normalised(VariableId id, Span<const double> value) const;
   std::uint32_t InternNoise(TypeId type, NoiseView noise, int residual_size);
   std::uint32_t InternSource(std::string_view source);
   NoiseView NoiseAt(std::uint32_t id) const {

@@ -80,6 +80,7 @@ const std::vector<double>& Marginals::Covariance(const Key& a, const Key& b) con
 
 std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Values& values,
                                                     const std::vector<Key>& keys, bool joint) {
+  graph.CheckLayout(values);
   const NumericGuard guard;
   const Evaluation evaluation(graph);
   const std::vector<VariableId> anchors = ChooseAnchors(graph, AnalyseStructure(graph), false);

@@ -136,6 +136,7 @@ Solution Solve(const Graph& question, const SolveOptions& options, const Observe
 }
 
 std::vector<double> FactorChi2(const Graph& graph, const Values& values) {
+  graph.CheckLayout(values);
   const Evaluation evaluation(graph);
   return AllChi2(evaluation, values.Data().data());
 }
