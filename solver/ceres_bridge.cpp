@@ -370,7 +370,12 @@ CeresBridge::CeresBridge(const Evaluation& evaluation, const SolveOptions& optio
     o.linear_solver_ordering = ordering;
   }
   std::string why;
-  if (!o.IsValid(&why)) throw Error("these options do not go together: " + why, ErrorKind::kUsage);
+  bool is_valid = o.IsValid(&why);
+  if (o.linear_solver_type == ceres::CGNR && o.preconditioner_type == ceres::SCHUR_JACOBI) {
+    is_valid = false;  // Ceres 2.1 lets it pass and then ends the process
+    why = "the preconditioner schur_jacobi is for iterative_schur";
+  }
+  if (!is_valid) throw Error("these options do not go together: " + why, ErrorKind::kUsage);
 }
 
 CeresBridge::~CeresBridge() = default;
@@ -386,6 +391,8 @@ void CeresBridge::Run(const Observer& watch, Report* report) {
   report->parameters = m.parameters;
   report->initial_objective = summary.initial_cost;
   report->final_objective = summary.final_cost;
+  if (report->termination == Termination::kFailed && report->iterations.empty())
+    report->initial_objective = report->final_objective = std::numeric_limits<double>::quiet_NaN();
   report->timing.preprocess = summary.preprocessor_time_in_seconds;
   report->timing.evaluate =
       summary.residual_evaluation_time_in_seconds + summary.jacobian_evaluation_time_in_seconds;
