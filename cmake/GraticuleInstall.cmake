@@ -5,8 +5,6 @@ include(CMakePackageConfigHelpers)
 set(GRATICULE_PLUGIN_INSTALL_DIR "${CMAKE_INSTALL_LIBDIR}/graticule/plugins")
 set(GRATICULE_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/graticule")
 
-# Headers that show how it is done rather than what it does; they need CHOLMOD, glog or Ceres.
-set(GRATICULE_INTERNAL_HEADERS ceres_bridge evaluation guarded linearise numeric_guard)
 list(JOIN GRATICULE_INTERNAL_HEADERS "|" internal)
 
 set(GRATICULE_INSTALLED_COMPONENTS sdk)

@@ -12,6 +12,9 @@
 #ifndef GRATICULE_PLUGIN_DIR
 #define GRATICULE_PLUGIN_DIR "/usr/lib/graticule/plugins"
 #endif
+#ifndef GRATICULE_PLUGIN_DIR_FROM_PROGRAM
+#define GRATICULE_PLUGIN_DIR_FROM_PROGRAM "../lib/graticule/plugins"
+#endif
 
 namespace graticule {
 namespace {
@@ -48,6 +51,19 @@ const graticule_plugin_v1& Describe(const std::string& file, void* library) {
       (plugin->variable_type_count > 0 && !plugin->variable_types))
     Refuse(file, "its counts of types are not right");
   return *plugin;
+}
+
+// Beside the running program, where there is such a folder: an installation may have been moved.
+// Only one of the two, or a plug-in in both would be refused for taking its own names.
+std::string InstalledPluginDir() {
+  std::error_code problem;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", problem);
+  if (!problem) {
+    const auto folder =
+        (program.parent_path() / GRATICULE_PLUGIN_DIR_FROM_PROGRAM).lexically_normal();
+    if (std::filesystem::is_directory(folder, problem)) return folder.string();
+  }
+  return GRATICULE_PLUGIN_DIR;
 }
 
 }  // namespace
@@ -97,7 +113,7 @@ std::vector<std::string> PluginPath() {
       begin = end + 1;
     }
   }
-  folders.emplace_back(GRATICULE_PLUGIN_DIR);
+  folders.push_back(InstalledPluginDir());
   return folders;
 }
 

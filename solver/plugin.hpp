@@ -19,8 +19,9 @@ struct PluginInfo {
 /// version, a table that is not right, a name already taken.
 PluginInfo LoadPlugin(const std::string& file, Registry* types);
 
-/// Folders that are searched for plug-ins: GRATICULE_PLUGIN_PATH (colons between), then the
-/// install's own.
+/// Folders that are searched for plug-ins: GRATICULE_PLUGIN_PATH (colons between), then
+/// lib/graticule/plugins of the installation that the running program is in, or else of the one
+/// that the library was built for.
 std::vector<std::string> PluginPath();
 
 /// Loads every `*.so` of those folders, by name.  Throws as LoadPlugin; folders that are not there
