@@ -209,17 +209,17 @@ VariableId Graph::Add(const Key& key, TypeId type, Span<const double> value, boo
   return id;
 }
 
-std::vector<double> Graph::Normalised(VariableId id, Span<const double> value) const {
+void Graph::WriteNormalised(VariableId id, Span<const double> value, double* to) const {
   if (value.size() != layout_->Size(id) || !AllFinite(value))
     throw Error("variable " + KeyOf(id).ToString() + ": expected " +
                 std::to_string(layout_->Size(id)) + " finite numbers");
-  std::vector<double> normalised(value.begin(), value.end());
-  if (!TypeOf(id).Normalise(normalised.data())) throw Error(OffManifold(KeyOf(id), TypeOf(id)));
-  return normalised;
+  std::copy(value.begin(), value.end(), to);
+  if (!TypeOf(id).Normalise(to)) throw Error(OffManifold(KeyOf(id), TypeOf(id)));
 }
 
 void Graph::SetValue(VariableId id, Span<const double> value) {
-  const std::vector<double> normalised = Normalised(id, value);
+  std::vector<double> normalised(layout_->Size(id));
+  WriteNormalised(id, value, normalised.data());
   std::copy(normalised.begin(), normalised.end(),
             data_.begin() + static_cast<std::ptrdiff_t>(layout_->Offset(id)));
 }
@@ -228,9 +228,7 @@ void Graph::SetValues(const Values& values) {
   std::vector<double> data = data_;
   for (VariableId from = 0; from < values.Count(); ++from) {
     const VariableId id = values.layout_ == layout_ ? from : IdOf(values.KeyOf(from));
-    const std::vector<double> normalised = Normalised(id, values[from]);
-    std::copy(normalised.begin(), normalised.end(),
-              data.begin() + static_cast<std::ptrdiff_t>(layout_->Offset(id)));
+    WriteNormalised(id, values[from], data.data() + layout_->Offset(id));
   }
   data_ = std::move(data);
 }

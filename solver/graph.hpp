@@ -130,7 +130,7 @@ class Graph {
   /// Runs `add`; where it throws, types that came into use only by it are not in use.
   template <class Action>
   auto AddOrForgetTypes(Action&& add);
-  std::vector<double> Normalised(VariableId id, Span<const double> value) const;
+  void WriteNormalised(VariableId id, Span<const double> value, double* to) const;
   std::uint32_t InternNoise(TypeId type, NoiseView noise, int residual_size);
   std::uint32_t InternSource(std::string_view source);
   NoiseView NoiseAt(std::uint32_t id) const {
