@@ -97,10 +97,12 @@ TEST(Architecture, IncludesOnlyAlongTheArrows) {
 }
 
 TEST(Architecture, SpellsEveryIncludeOfItsOwnInFull) {
-  for (const Include& include : Includes())
+  for (const Include& include : Includes()) {
+    if (include.room == "apps") continue;  // nobody includes it from outside
     if (fs::exists(fs::path(SOURCE_DIR) / include.room / include.path) ||
         fs::exists((fs::path(SOURCE_DIR) / include.file).parent_path() / include.path))
       ADD_FAILURE() << include.Where() << ": expected graticule/" << include.room << "/...";
+  }
 }
 
 TEST(Architecture, KeepsCeresBehindTheBridge) {
