@@ -27,7 +27,7 @@ CLI::App* AddCommand(CLI::App* app, const char* name, const char* what, const ch
 void AddReading(CLI::App* sub, Reading* reading) {
   sub->add_option("--plugin", reading->plugins, "a plug-in's shared library; may be repeated")
       ->type_name("FILE")
-      ->expected(1);
+      ->allow_extra_args(false);
   sub->add_option("--g2o-rotation", reading->g2o_rotation,
                   "what 3D rotation weights in .g2o mean: half (as the tool g2o: the quaternion's "
                   "vector part; the "
@@ -42,7 +42,7 @@ void AddChoosing(CLI::App* sub, Choosing* choosing) {
                   "a ready configuration (`graticule options`) or a YAML file");
   sub->add_option("-s,--set", choosing->settings, "one option; may be repeated")
       ->type_name("NAME=VALUE")
-      ->expected(1);
+      ->allow_extra_args(false);
 }
 
 void AddSolve(CLI::App* app, Chosen* chosen) {
@@ -80,7 +80,7 @@ void AddCompare(CLI::App* app, Chosen* chosen) {
   sub->add_option("-s,--set", command->settings,
                   "one option, in every configuration; may be repeated")
       ->type_name("NAME=VALUE")
-      ->expected(1);
+      ->allow_extra_args(false);
   sub->add_option("--repeats", command->repeats, "counted runs of each, after one that is not")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

@@ -1,0 +1,154 @@
+// Recorded problems, whole: from the file through the solver into files and back.  Costs are held
+// against the best known ones, which several solvers agree on (shared/data/posegraph/MANIFEST.md).
+
+#include <cmath>
+
+#include "command.hpp"
+
+namespace graticule::test {
+namespace {
+
+// Below this a cost is rounding: nothing is left to compare relatively.
+constexpr double kNoCost = 1e-12;
+
+struct Problem {
+  const char* file;
+  const char* ending;  // of its own format
+  double best_known;   // 0.5 r'Wr
+  bool reached;        // from the file's own guess
+  const char* setting;
+};
+
+void PrintTo(const Problem& problem, std::ostream* out) { *out << problem.file; }
+
+// The tolerance of a settled cost: 1e-4, because MANIFEST.md's columns agree to about 3e-5 at worst
+// (sphere2500, full).
+const Problem kProblems[] = {
+    {"CSAIL.g2o", ".g2o", 20.2775644, true, ""},
+    {"M3500.g2o", ".g2o", 68.9564755, true, ""},
+    {"city10000.g2o.gz", ".g2o", 255.992582, true, ""},
+    {"intel.g2o", ".g2o", 22.5023479, true, ""},
+    {"kitti_00.g2o", ".g2o", 49.1610059, true, ""},
+    {"manhattan.g2o", ".g2o", 1774.5184, true, ""},
+    {"manhattanOlson3500.g2o", ".g2o", 73.0383725, true, ""},
+    {"parking-garage.g2o", ".g2o", 0.61934529, true, ""},
+    {"ring.g2o", ".g2o", 5.58155042, true, ""},
+    {"smallGrid3D.g2o", ".g2o", 229.076893, true, ""},
+    {"sphere2500.g2o", ".g2o", 363.574834, true, ""},
+    {"sphere_bignoise_vertex3.g2o.gz", ".g2o", 371931.36, true, ""},
+    {"tinyGrid3D.g2o", ".g2o", 3.36394083, true, ""},
+    {"synth-problem-49-7776-pre.txt.gz", ".txt", 8013.91747, true, ""},
+    // Exact to begin with: GTSAM's example of a file whose observations were made from its answer.
+    {"gtsam_dubrovnik-3-7-pre.txt", ".txt", 0, true, ""},
+    // Not in the manifest: measured here, the same with every configuration.
+    {"gtsam_w100.graph", ".graph", 0.568912592, true, ""},
+    // Poor guesses: a hundred iterations end far above, a few show as much.
+    {"MIT.g2o", ".g2o", 20.5816344, false, "max_iterations=100"},
+    {"torus3D.g2o.gz", ".g2o", 7287.37323, false, "max_iterations=5"},
+    // Not settled: long odometry, landmarks, and false matches among them.
+    {"victoria_park.g2o", ".g2o", 0, false, "max_iterations=10"},
+};
+
+bool SameCost(double a, double b) {
+  return std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b)) ||
+         std::max(std::abs(a), std::abs(b)) < kNoCost;
+}
+
+class RecordedProblem : public RecordedTest, public testing::WithParamInterface<Problem> {};
+
+TEST_P(RecordedProblem, IsSolvedWrittenAndReadAgainAtTheSameCost) {
+  const Problem& problem = GetParam();
+  std::vector<std::string> words = {"solve", Recorded(problem.file), "--json", "-o",
+                                    Path(std::string("own") + problem.ending)};
+  if (*problem.setting) words.insert(words.end(), {"--set", problem.setting});
+  const Outcome solved = RunCommand(words);
+  const auto report = JsonOf(solved);
+  ASSERT_TRUE(report.contains("final_cost")) << solved.err;
+  const double cost = report["final_cost"];
+  EXPECT_LE(cost, report["initial_cost"]);
+  if (problem.reached) {
+    EXPECT_EQ(solved.exit_code, 0);
+    EXPECT_EQ(report["termination"], "converged");
+    EXPECT_NEAR(cost, problem.best_known, 1e-4 * problem.best_known + kNoCost);
+  } else {
+    EXPECT_EQ(solved.exit_code, 4);
+    EXPECT_EQ(report["termination"], "no_convergence");
+    EXPECT_GT(cost, 1.5 * problem.best_known);
+  }
+
+  const std::string own = Path(std::string("own") + problem.ending);
+  ASSERT_EQ(RunCommand({"convert", own, Path("text.fg")}).exit_code, 0);
+  ASSERT_EQ(RunCommand({"convert", own, Path("binary.fg"), "--binary"}).exit_code, 0);
+  for (const std::string& file : {own, Path("text.fg"), Path("binary.fg")}) {
+    const Outcome again = RunCommand({"solve", file, "--json", "--set", "max_iterations=0"});
+    const auto reread = JsonOf(again);
+    ASSERT_TRUE(reread.contains("initial_cost")) << file << ": " << again.err;
+    EXPECT_TRUE(SameCost(reread["initial_cost"], cost))
+        << file << ": " << reread["initial_cost"] << " where " << cost << " was written";
+    EXPECT_EQ(reread["variables"], report["variables"]);
+    EXPECT_EQ(reread["factors"], report["factors"]);
+  }
+}
+
+std::string NameOf(const testing::TestParamInfo<Problem>& info) {
+  std::string name = info.param.file;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Problems, RecordedProblem, testing::ValuesIn(kProblems), NameOf);
+
+class G2oRotations : public RecordedTest {};
+
+TEST_F(G2oRotations, EachReachTheBestKnownCostOfTheirReading) {
+  // torus3D only from a spanning tree: the file's own guess leads elsewhere in every reading.
+  const struct {
+    const char* file;
+    double half, twice, full;
+    const char* setting;
+  } files[] = {
+      {"parking-garage.g2o", 0.61934529, 0.634192192, 0.6341924, "initialise=automatic"},
+      {"sphere2500.g2o", 363.574834, 675.607873, 675.700963, "initialise=automatic"},
+      {"torus3D.g2o.gz", 7287.37323, 12113.5228, 12117.6369, "initialise=spanning_tree"},
+  };
+  for (const auto& file : files) {
+    const std::pair<const char*, double> readings[] = {
+        {"half", file.half}, {"double", file.twice}, {"full", file.full}};
+    for (const auto& [rotation, best_known] : readings) {
+      const Outcome solved = RunCommand({"solve", Recorded(file.file), "--g2o-rotation", rotation,
+                                         "--set", file.setting, "--json"});
+      EXPECT_EQ(solved.exit_code, 0) << file.file << " " << rotation;
+      EXPECT_NEAR(JsonOf(solved).value("final_cost", 0.0), best_known, 1e-4 * best_known)
+          << file.file << " " << rotation;
+    }
+  }
+}
+
+TEST_F(G2oRotations, AreKeptInWhatIsWritten) {
+  for (const char* name : {"a.fg", "a.g2o"}) {
+    ASSERT_EQ(
+        RunCommand({"convert", Recorded("tinyGrid3D.g2o"), Path(name), "--g2o-rotation", "full"})
+            .exit_code,
+        0);
+    const auto said = JsonOf(
+        RunCommand({"solve", Recorded("tinyGrid3D.g2o"), "--g2o-rotation", "full", "--json"}));
+    const auto kept = JsonOf(RunCommand({"solve", Path(name), "--json"}));
+    EXPECT_EQ(said["final_cost"], kept["final_cost"]) << name;
+  }
+}
+
+class SpanningTree : public RecordedTest {};
+
+TEST_F(SpanningTree, LeadsToTheBestKnownCostWhereTheFilesGuessDoesNot) {
+  for (const auto& [file, best_known] :
+       {std::pair{"MIT.g2o", 20.5816344}, std::pair{"torus3D.g2o.gz", 7287.37323}}) {
+    const Outcome solved =
+        RunCommand({"solve", Recorded(file), "--set", "initialise=spanning_tree", "--json"});
+    EXPECT_EQ(solved.exit_code, 0) << file;
+    EXPECT_NEAR(JsonOf(solved).value("final_cost", 0.0), best_known, 1e-6 * best_known) << file;
+  }
+}
+
+}  // namespace
+}  // namespace graticule::test
