@@ -1,10 +1,13 @@
 #include "arguments.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 #include <iostream>
 
 #include "commands.hpp"
+#include "graticule/solver/error.hpp"
+#include "graticule/solver/nearest.hpp"
 #include "graticule/solver/provenance.hpp"
 
 namespace graticule::apps {
@@ -186,6 +189,21 @@ void AddLists(CLI::App* app, Chosen* chosen) {
   AddReading(sub, &types->reading);
 }
 
+// CLI11 says of `graticule slove` only that a subcommand is missing.
+void ExpectCommand(const CLI::App& app, int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (!word.empty() && word[0] == '-') continue;
+    std::vector<std::string_view> names;
+    for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      throw Error("there is no command '" + word.substr(0, 60) + "'" + DidYouMean(word, names) +
+                      "; graticule --help lists them",
+                  ErrorKind::kUsage);
+    return;
+  }
+}
+
 }  // namespace
 
 int RunFromArguments(int argc, char** argv) {
@@ -212,6 +230,7 @@ int RunFromArguments(int argc, char** argv) {
   AddCheck(&app, &chosen);
   AddSimulate(&app, &chosen);
   AddLists(&app, &chosen);
+  ExpectCommand(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -20,9 +20,14 @@ int main(int argc, char** argv) {
     console.Error("out of memory");
     code = apps::kOtherFailure;
   } catch (const std::exception& exception) {
-    console.Error(fmt::format("internal error, please report: {}", exception.what()));
+    // fmt throws where stdout takes no more: that is no fault of ours, and is said below.
+    if (std::ferror(stdout)) {
+      code = apps::kOtherFailure;
+    } else {
+      console.Error(fmt::format("internal error, please report: {}", exception.what()));
+    }
   }
-  // A full disk behind stdout shows only here.
+  // A full disk behind a short stdout shows only here.
   if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
     console.Error("could not write to the standard output");
     if (code == apps::kDone) code = apps::kOtherFailure;
