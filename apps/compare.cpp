@@ -93,20 +93,23 @@ ComparisonRun Repeat(const std::string& file, const CompareCommand& command, con
   return run;
 }
 
-// Best known costs by file name; from --best-known, else the lowest of this comparison.
-void AddGaps(const std::string& best_known, std::vector<ComparisonRun>* runs) {
+// Best known costs by file name.
+std::map<std::string, double> ReadBestKnown(const std::string& path) {
   std::map<std::string, double> best;
-  if (!best_known.empty()) {
-    for (const ConfigEntry& entry : ParseConfig(ReadFile(best_known), best_known)) {
-      double cost = 0;
-      const char* end = entry.value.data() + entry.value.size();
-      const auto [stop, problem] = std::from_chars(entry.value.data(), end, cost);
-      if (problem != std::errc() || stop != end || !std::isfinite(cost))
-        throw Error(best_known, entry.line, entry.column,
-                    "expected a cost, found '" + entry.value + "'");
-      best[entry.name] = cost;
-    }
+  if (path.empty()) return best;
+  for (const ConfigEntry& entry : ParseConfig(ReadFile(path), path)) {
+    double cost = 0;
+    const char* end = entry.value.data() + entry.value.size();
+    const auto [stop, problem] = std::from_chars(entry.value.data(), end, cost);
+    if (problem != std::errc() || stop != end || !std::isfinite(cost))
+      throw Error(path, entry.line, entry.column, "expected a cost, found '" + entry.value + "'");
+    best[entry.name] = cost;
   }
+  return best;
+}
+
+// Gaps to the best known costs; to the lowest of this comparison where none is known.
+void AddGaps(const std::map<std::string, double>& best, std::vector<ComparisonRun>* runs) {
   std::map<std::string, double> lowest;
   for (const ComparisonRun& run : *runs) {
     if (!run.error.empty() || !std::isfinite(run.report.final_cost)) continue;
@@ -126,11 +129,12 @@ void AddGaps(const std::string& best_known, std::vector<ComparisonRun>* runs) {
   }
 }
 
-// The worst of what the runs would have returned one by one.
+// A file that was refused counts most, then a run without a result.  Runs that did not converge are
+// a result.
 int ExitOfRuns(const std::vector<ComparisonRun>& runs, const std::vector<Exit>& refused) {
   for (const Exit exit : refused) return exit;
   for (const ComparisonRun& run : runs)
-    if (run.error.empty() && run.report.termination == Termination::kFailed) return kOtherFailure;
+    if (!run.error.empty() || run.report.termination == Termination::kFailed) return kOtherFailure;
   return Interruptible::WasAsked() ? kNotConverged : kDone;
 }
 
@@ -142,6 +146,7 @@ int Run(const CompareCommand& command, const Console& console) {
   std::vector<Configuration> configurations;
   for (const std::string& name : command.configs)
     configurations.push_back(Choose({name, command.settings}));
+  const std::map<std::string, double> best_known = ReadBestKnown(command.best_known);
   const Registry types = LoadTypes(command.reading);
 
   Comparison comparison;
@@ -167,12 +172,13 @@ int Run(const CompareCommand& command, const Console& console) {
                                     comparison.runs.back().error));
       }
     }
-    AddGaps(command.best_known, &comparison.runs);
+    AddGaps(best_known, &comparison.runs);
+    // First the table: a full disk for the report must not cost the runs.
+    fmt::print("{}", command.json ? ComparisonJson(comparison)
+                                  : ComparisonTable(comparison, console.Colour()));
     if (!command.report.empty())
       WriteFile(command.report, Ending(command.report) == ".html" ? ComparisonHtml(comparison)
                                                                   : ComparisonJson(comparison));
-    fmt::print("{}", command.json ? ComparisonJson(comparison)
-                                  : ComparisonTable(comparison, console.Colour()));
     if (!command.report.empty() && !command.json) fmt::print("wrote {}\n", command.report);
     return ExitOfRuns(comparison.runs, refused);
   }

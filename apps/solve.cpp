@@ -184,6 +184,7 @@ int Run(const SolveCommand& command, const Console& console) {
                                   ? ReportHtml(report, context, drawing)
                                   : ReportJson(report, context) + "\n");
   });
+  context.outputs = outputs.Written();
 
   if (command.json) {
     nlohmann::ordered_json json = nlohmann::ordered_json::parse(ReportJson(report, context));

@@ -192,5 +192,72 @@ TEST_F(BadInput, ADeviceThatIsFullIsAnErrorOfItsOwn) {
   }
 }
 
+// A disk of its own, small enough to fill.
+class FullDisk : public BadInput {
+ protected:
+  void SetUp() override {
+    BadInput::SetUp();
+    fs::create_directory(Path("disk"));
+    if (mount("tmpfs", Path("disk").c_str(), "tmpfs", 0, "size=64k") != 0)
+      GTEST_SKIP() << "mounting a small disk is not permitted here";
+    mounted_ = true;
+  }
+  void TearDown() override {
+    if (mounted_) umount(Path("disk").c_str());
+    BadInput::TearDown();
+  }
+  std::vector<std::string> OnDisk() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(Path("disk")))
+      names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+ private:
+  bool mounted_ = false;
+};
+
+TEST_F(FullDisk, LeavesOldOutputsWholeNoTemporariesAndCostsNoOtherOutput) {
+  const std::string city = Path("city.fg");
+  ASSERT_EQ(
+      RunCommand({"simulate", "city", "--robots", "1", "--poses", "1000", "-o", city}).exit_code,
+      0);
+  for (const char* name : {"disk/out.fg", "disk/plot.svg"}) Write(name, "what was there before\n");
+  Write("disk/fill", std::string(50 << 10, 'x'));
+  const Outcome outcome =
+      RunCommand({"solve", city, "-o", Path("disk/out.fg"), "--plot", Path("disk/plot.svg"),
+                  "--trajectory", Path("out.tum"), "--report", Path("report.json"), "--json"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find(Path("disk/out.fg") + ": No space left on device"), std::string::npos)
+      << outcome.err;
+  EXPECT_TRUE(ReadWhole(Path("disk/out.fg")) == "what was there before\n");
+  EXPECT_TRUE(ReadWhole(Path("disk/plot.svg")) == "what was there before\n");
+  EXPECT_EQ(OnDisk(), (std::vector<std::string>{"fill", "out.fg", "plot.svg"}));
+  EXPECT_EQ(CountLines(ReadWhole(Path("out.tum"))), 1000u);
+  const auto report = JsonOf(outcome);
+  EXPECT_EQ(report["termination"], "converged");
+  EXPECT_EQ(report["outputs"], (std::vector<std::string>{Path("out.tum"), Path("report.json")}));
+
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"convert", city, Path("disk/out.fg")},
+        {"simulate", "city", "-o", Path("disk/out.fg")}}) {
+    ExpectRefusal(RunCommand(words), 1, "graticule: " + Path("disk/out.fg") + ": No space left");
+    EXPECT_TRUE(ReadWhole(Path("disk/out.fg")) == "what was there before\n");
+    EXPECT_EQ(OnDisk(), (std::vector<std::string>{"fill", "out.fg", "plot.svg"}));
+  }
+}
+
+TEST_F(FullDisk, DoesNotCostAComparisonItsTable) {
+  const std::string square = Square();
+  Write("disk/fill", std::string(60 << 10, 'x'));
+  const Outcome outcome = RunCommand({"compare", square, "--configs", "default", "--repeats", "1",
+                                      "--report", Path("disk/report.html")});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.out.find("default"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("No space left"), std::string::npos);
+  EXPECT_EQ(OnDisk(), std::vector<std::string>{"fill"});
+}
+
 }  // namespace
 }  // namespace graticule::test
