@@ -80,7 +80,6 @@ ComparisonRun Repeat(const std::string& file, const CompareCommand& command, con
     }
     run.peak_memory_bytes = PeakMemory();
   } catch (const graticule::Error& error) {
-    if (error.Kind() == ErrorKind::kUsage) throw;
     run.error = error.what();
   }
   if (timings.empty()) timings.push_back(run.report.timing);
