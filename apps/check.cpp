@@ -28,8 +28,9 @@ int Run(const CheckCommand& command, const Console& console) {
   json["file"] = command.file;
   int exit = kDone;
 
-  const std::vector<JacobianCheck> checks =
-      CheckJacobians(graph, graph.InitialValues(), command.tolerance);
+  const std::vector<JacobianCheck> checks = About(command.file, [&] {
+    return CheckJacobians(graph, graph.InitialValues(), command.tolerance);
+  });
   json["jacobians"] = nlohmann::ordered_json::array();
   for (const JacobianCheck& check : checks) {
     json["jacobians"].push_back({{"type", check.type},

@@ -91,6 +91,9 @@ std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::stri
   std::vector<std::pair<std::string, std::string>> files;
   if (path.empty()) return files;
   const std::vector<std::string> families = PoseFamilies(graph);
+  if (families.empty())
+    throw Error(path + ": there is no trajectory to write: the problem has no poses (se2/1, se3/1)",
+                ErrorKind::kUsage);
   if (families.size() == 1) return {{path, families[0]}};
   const std::filesystem::path whole = path;
   for (const std::string& family : families) {

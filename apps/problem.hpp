@@ -8,6 +8,7 @@
 #include "configuration.hpp"
 #include "graticule/io/problem_file.hpp"
 #include "graticule/io/report_json.hpp"
+#include "graticule/solver/error.hpp"
 
 namespace graticule::apps {
 
@@ -18,6 +19,17 @@ Registry LoadTypes(const Reading& reading);
 /// Reads a problem as the words say, and notes on stderr what was skipped.
 Recording Load(const std::string& file, const Reading& reading, const Registry& types,
                const Console& console);
+
+/// Runs `work`; what it throws about the problem gets the file's name in front.
+template <class Work>
+auto About(const std::string& file, const Work& work) {
+  try {
+    return work();
+  } catch (const graticule::Error& error) {
+    if (error.Kind() == ErrorKind::kUsage) throw;
+    throw graticule::Error(file + ": " + error.what(), error.Kind());
+  }
+}
 
 /// The configuration of `--config` with `--set` applied.
 Configuration Choose(const Choosing& choosing);
@@ -32,7 +44,8 @@ void ExpectEnding(const std::string& path, const char* option,
                   const std::vector<std::string>& endings);
 
 /// Which file gets which family's trajectory: the path itself where there is one family of poses,
-/// else `out.robot1.tum`, `out.robot2.tum` for `out.tum`.  None for an empty path.
+/// else `out.robot1.tum`, `out.robot2.tum` for `out.tum`.  None for an empty path.  Throws Error
+/// (kUsage) where there are no poses.
 std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::string& path,
                                                                  const Graph& graph);
 

@@ -16,6 +16,8 @@ namespace {
 void Write(const SimulateCommand& command, const Graph& graph, const Values& truth,
            const std::vector<FactorId>& outliers, const std::string& title,
            const Console& console) {
+  const bool as_trajectory = Ending(command.truth) == ".tum";
+  const auto trajectories = TrajectoryFiles(as_trajectory ? command.truth : "", graph);
   Recording recording(graph.Types());
   recording.graph = graph;
   recording.title = title;
@@ -25,8 +27,8 @@ void Write(const SimulateCommand& command, const Graph& graph, const Values& tru
   WriteProblem(command.output, recording, options);
   if (!command.outliers.empty())
     WriteFile(command.outliers, nlohmann::json(outliers).dump() + "\n");
-  if (Ending(command.truth) == ".tum") {
-    for (const auto& [path, family] : TrajectoryFiles(command.truth, graph))
+  if (as_trajectory) {
+    for (const auto& [path, family] : trajectories)
       WriteFile(path, FormatTum(Trajectory(graph, truth, family)));
   } else if (!command.truth.empty()) {
     recording.graph.SetValues(truth);
@@ -40,9 +42,8 @@ void Write(const SimulateCommand& command, const Graph& graph, const Values& tru
 }  // namespace
 
 int Run(const SimulateCommand& command, const Console& console) {
-  const std::vector<std::string> problems = {".fg", ".g2o", ".graph", ".bal", ".txt"};
-  ExpectEnding(command.output, "-o", problems);
-  std::vector<std::string> truths = problems;
+  ExpectEnding(command.output, "-o", {".fg", ".g2o", ".graph", ".bal", ".txt"});
+  std::vector<std::string> truths = {".fg", ".g2o", ".graph", ".bal", ".txt"};
   truths.emplace_back(".tum");
   ExpectEnding(command.truth, "--truth", truths);
   for (const std::string& path : {command.output, command.truth, command.outliers})

@@ -122,16 +122,17 @@ int Run(const SolveCommand& command, const Console& console) {
   const PhaseTime load = clock.Lap();
   Graph& graph = recording.graph;
   const std::vector<Key> marginal_keys = ReadKeys(command.marginals, graph);
+  const auto trajectories = TrajectoryFiles(command.trajectory, graph);
 
   const InitialiseReport start =
       Initialise(&graph, configuration.initialise.initialise, recording.has_initial_guess);
   const PhaseTime initialise = clock.Lap();
   const Values before = graph.InitialValues();
 
-  Solution solution = [&] {
+  Solution solution = About(command.file, [&] {
     const Interruptible interruptible;
     return Solve(graph, configuration.solve, Watch(console, command.file));
-  }();
+  });
   console.Progress("");
   Report& report = solution.report;
   report.timing.load = load;
@@ -143,7 +144,9 @@ int Run(const SolveCommand& command, const Console& console) {
   graph.SetValues(solution.values);
 
   MarginalsResult marginals;
-  if (!marginal_keys.empty()) marginals = FindMarginals(graph, solution.values, marginal_keys);
+  if (!marginal_keys.empty())
+    marginals =
+        About(command.file, [&] { return FindMarginals(graph, solution.values, marginal_keys); });
 
   ReportContext context;
   context.file = command.file;
@@ -162,7 +165,7 @@ int Run(const SolveCommand& command, const Console& console) {
     for (const std::string& note : WriteProblem(command.output, recording, options))
       console.Note(command.output + ": " + note);
   });
-  for (const auto& [path, family] : TrajectoryFiles(command.trajectory, graph))
+  for (const auto& [path, family] : trajectories)
     outputs.Try(path, [&, path = path, family = family] {
       WriteFile(path, FormatTum(Trajectory(graph, solution.values, family)));
     });
