@@ -68,6 +68,13 @@ class ScaledFactor {
   bool is_positive_ = false;
 };
 
+// Each column is solved for by itself: their rounding differs in the last digits.
+void MakeSymmetric(std::size_t n, std::vector<double>* block) {
+  for (std::size_t r = 0; r < n; ++r)
+    for (std::size_t c = 0; c < r; ++c)
+      (*block)[r * n + c] = (*block)[c * n + r] = ((*block)[r * n + c] + (*block)[c * n + r]) / 2;
+}
+
 }  // namespace
 
 const std::vector<double>& Marginals::Covariance(const Key& a, const Key& b) const {
@@ -137,6 +144,7 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
           for (std::size_t c = 0; c < size_of(b); ++c)
             block[r * size_of(b) + c] =
                 inverse[(column + c) * rows + static_cast<std::size_t>(index.first[a]) + r];
+        if (a == b) MakeSymmetric(size_of(b), &block);
       }
       column += size_of(b);
     }

@@ -14,8 +14,9 @@ namespace graticule {
 /// body side).
 class Marginals {
  public:
-  /// Row-major, tangent size of a x tangent size of b.  A fixed or anchored variable has zeros.
-  /// Throws Error if the pair was not asked for.
+  /// Row-major, tangent size of a x tangent size of b.  A fixed or anchored variable has zeros,
+  /// the block of a key with itself is symmetric to the last bit.  Throws Error if the pair was not
+  /// asked for.
   const std::vector<double>& Covariance(const Key& a, const Key& b) const;
   const std::vector<double>& Covariance(const Key& key) const { return Covariance(key, key); }
   /// What was held fixed to remove the gauge: covariances are relative to these.

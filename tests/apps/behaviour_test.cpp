@@ -174,6 +174,11 @@ TEST_F(Solve, GivesCovariancesOfTheKeysThatAreAskedFor) {
   ASSERT_EQ(marginals["covariances"].size(), 2u);
   const Json& block = marginals["covariances"]["pose:1"];
   EXPECT_EQ(block["fields"], (std::vector<std::string>{"x:m", "y:m", "yaw:rad"}));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_GT(block["covariance"][i][i], 0);
+    for (std::size_t j = 0; j < 3; ++j)
+      EXPECT_EQ(block["covariance"][i][j], block["covariance"][j][i]);
+  }
   // One edge of the square of four has sigma 0.1 m; the rest of the loop only helps.
   EXPECT_LT(std::sqrt(block["covariance"][0][0].get<double>()), 0.1);
 
