@@ -139,7 +139,7 @@ void AddSimulate(CLI::App* app, Chosen* chosen) {
   CLI::App* sub =
       AddCommand(app, "simulate", "make a recorded problem whose truth is known",
                  "  graticule simulate city --robots 4 --poses 1000 -o city.fg --truth truth.tum\n"
-                 "  graticule simulate bundle --cameras 20 --points 500 -o ring.bal",
+                 "  graticule simulate bundle --cameras 20 --points 500 -o ring.fg",
                  command, chosen);
   sub->add_option("KIND", command->kind,
                   "city: a multi-robot pose graph; bundle: cameras and points")

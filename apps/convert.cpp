@@ -6,7 +6,7 @@
 namespace graticule::apps {
 
 int Run(const ConvertCommand& command, const Console& console) {
-  ExpectEnding(command.output, "OUT", {".fg", ".g2o", ".graph", ".bal", ".txt"});
+  ExpectEnding(command.output, "OUT", ProblemEndings());
   ExpectWritable(command.output);
   Recording recording = Load(command.input, command.reading, LoadTypes(command.reading), console);
   if (recording.made_by.empty()) recording.made_by = MadeBy(console);

@@ -69,6 +69,10 @@ void ExpectWritable(const std::string& path) {
     throw Error(path + ": the folder is not writable", ErrorKind::kOther);
 }
 
+std::vector<std::string> ProblemEndings() {
+  return {".fg", ".g2o", ".graph", ".toro", ".bal", ".txt"};
+}
+
 std::string Ending(const std::string& path) {
   std::filesystem::path p = path;
   if (p.extension() == ".gz") p = p.stem();

@@ -37,6 +37,8 @@ Configuration Choose(const Choosing& choosing);
 /// Throws Error (kOther) unless a file can be made at this path: before a long solve, not after.
 void ExpectWritable(const std::string& path);
 
+/// Endings of the files that problems are written to.
+std::vector<std::string> ProblemEndings();
 /// The ending without .gz: ".g2o".
 std::string Ending(const std::string& path);
 /// Throws Error (kUsage) unless the path ends in one of these.

@@ -42,8 +42,8 @@ void Write(const SimulateCommand& command, const Graph& graph, const Values& tru
 }  // namespace
 
 int Run(const SimulateCommand& command, const Console& console) {
-  ExpectEnding(command.output, "-o", {".fg", ".g2o", ".graph", ".bal", ".txt"});
-  std::vector<std::string> truths = {".fg", ".g2o", ".graph", ".bal", ".txt"};
+  ExpectEnding(command.output, "-o", ProblemEndings());
+  std::vector<std::string> truths = ProblemEndings();
   truths.emplace_back(".tum");
   ExpectEnding(command.truth, "--truth", truths);
   for (const std::string& path : {command.output, command.truth, command.outliers})

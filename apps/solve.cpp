@@ -98,7 +98,7 @@ class Outputs {
 };
 
 void CheckOutputs(const SolveCommand& command) {
-  ExpectEnding(command.output, "-o", {".fg", ".g2o", ".graph", ".bal", ".txt"});
+  ExpectEnding(command.output, "-o", ProblemEndings());
   ExpectEnding(command.report, "--report", {".html", ".json"});
   ExpectEnding(command.plot, "--plot", {".svg", ".png"});
   ExpectEnding(command.marginals_output, "--marginals-output", {".json"});
