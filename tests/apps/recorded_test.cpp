@@ -21,8 +21,7 @@ struct Problem {
 
 void PrintTo(const Problem& problem, std::ostream* out) { *out << problem.file; }
 
-// The tolerance of a settled cost: 1e-4, because MANIFEST.md's columns agree to about 3e-5 at worst
-// (sphere2500, full).
+// MANIFEST.md gives its costs to six digits or more; 1e-4 also bears its remarks "not settled".
 const Problem kProblems[] = {
     {"CSAIL.g2o", ".g2o", 20.2775644, true, ""},
     {"M3500.g2o", ".g2o", 68.9564755, true, ""},
@@ -101,6 +100,8 @@ INSTANTIATE_TEST_SUITE_P(Problems, RecordedProblem, testing::ValuesIn(kProblems)
 
 class G2oRotations : public RecordedTest {};
 
+// The manifest's third column lies up to 9.3e-5 above what is reached here (sphere2500 675.681164,
+// torus3D 12116.5093; computed again outside this program from the written file).
 TEST_F(G2oRotations, EachReachTheBestKnownCostOfTheirReading) {
   // torus3D only from a spanning tree: the file's own guess leads elsewhere in every reading.
   const struct {
@@ -119,8 +120,9 @@ TEST_F(G2oRotations, EachReachTheBestKnownCostOfTheirReading) {
       const Outcome solved = RunCommand({"solve", Recorded(file.file), "--g2o-rotation", rotation,
                                          "--set", file.setting, "--json"});
       EXPECT_EQ(solved.exit_code, 0) << file.file << " " << rotation;
-      EXPECT_NEAR(JsonOf(solved).value("final_cost", 0.0), best_known, 1e-4 * best_known)
-          << file.file << " " << rotation;
+      const double cost = JsonOf(solved).value("final_cost", 0.0);
+      EXPECT_LE(cost, best_known * (1 + 1e-6)) << file.file << " " << rotation;
+      EXPECT_GE(cost, best_known * (1 - 1e-4)) << file.file << " " << rotation;
     }
   }
 }
