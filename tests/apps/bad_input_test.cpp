@@ -163,13 +163,15 @@ TEST_F(BadInput, OutputsThatCannotBeMadeAreRefusedBeforeTheSolve) {
   EXPECT_EQ(Files(), (std::vector<std::string>{"square.g2o", "taken.fg"}));
 }
 
-TEST_F(BadInput, AFolderThatOnlySeemsWritableCostsThatOutputOnly) {
+// A disk that is full, as far as it can be had without mounting one.
+TEST_F(BadInput, AnOutputThatFillsUpCostsThatOutputOnly) {
+  fs::create_symlink("/dev/full", Path("out.fg"));
   const Outcome outcome = RunCommand(
-      {"solve", Square(), "-o", "/proc/out.fg", "--trajectory", Path("out.tum"), "--json"});
+      {"solve", Square(), "-o", Path("out.fg"), "--trajectory", Path("out.tum"), "--json"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_EQ(outcome.err.compare(0, 25, "graticule: /proc/out.fg: "), 0) << outcome.err;
-  EXPECT_EQ(CountLines(outcome.err), 1u);
+  EXPECT_EQ(outcome.err, "graticule: " + Path("out.fg") + ": No space left on device\n");
   EXPECT_EQ(JsonOf(outcome)["outputs"], std::vector<std::string>{Path("out.tum")});
+  EXPECT_EQ(Files(), (std::vector<std::string>{"out.fg", "out.tum", "square.g2o"}));
 }
 
 TEST_F(BadInput, ADeviceThatIsFullIsAnErrorOfItsOwn) {
