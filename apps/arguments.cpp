@@ -209,7 +209,6 @@ void ExpectCommand(const CLI::App& app, int argc, char** argv) {
 int RunFromArguments(int argc, char** argv) {
   CLI::App app("Factor graphs as data, solved by Ceres.", "graticule");
   Console console;
-  for (int i = 1; i < argc; ++i) console.invocation += (i > 1 ? " " : "") + std::string(argv[i]);
   Chosen chosen;
   app.require_subcommand(1);
   app.fallthrough();

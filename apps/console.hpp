@@ -26,7 +26,6 @@ Exit ExitOf(Termination termination);
 /// What every command knows about its terminal.
 struct Console {
   bool quiet = false;
-  std::string invocation;  ///< the command line, as recordings keep it: "solve a.g2o -o b.fg"
 
   /// Colour on stdout: only on a terminal, and never with NO_COLOR.
   bool Colour() const;

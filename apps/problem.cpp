@@ -108,8 +108,8 @@ std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::stri
   return files;
 }
 
-std::string MadeBy(const Console& console) {
-  return fmt::format("graticule {} {}", Version(), console.invocation);
+std::string MadeBy(const std::string& words) {
+  return fmt::format("graticule {} {}", Version(), words);
 }
 
 std::string CountVariables(const Graph& graph) {

@@ -15,13 +15,13 @@ namespace {
 
 void Write(const SimulateCommand& command, const Graph& graph, const Values& truth,
            const std::vector<FactorId>& outliers, const std::string& title,
-           const Console& console) {
+           const std::string& words, const Console& console) {
   const bool as_trajectory = Ending(command.truth) == ".tum";
   const auto trajectories = TrajectoryFiles(as_trajectory ? command.truth : "", graph);
   Recording recording(graph.Types());
   recording.graph = graph;
   recording.title = title;
-  recording.made_by = MadeBy(console);
+  recording.made_by = MadeBy(words);
   WriteOptions options;
   options.binary = command.binary;
   WriteProblem(command.output, recording, options);
@@ -56,6 +56,8 @@ int Run(const SimulateCommand& command, const Console& console) {
     options.seed = command.seed;
     const SimulatedBundle world = SimulateRing(Builtins(), options);
     Write(command, world.graph, world.truth, {}, "cameras on a ring round a cloud of points",
+          fmt::format("simulate bundle --cameras {} --points {} --seed {}", command.cameras,
+                      command.points, command.seed),
           console);
     return kDone;
   }
@@ -71,6 +73,10 @@ int Run(const SimulateCommand& command, const Console& console) {
   Write(command, world.graph, world.truth, world.outliers,
         fmt::format("{} robots in a city of square blocks, {} poses each", command.robots,
                     command.poses),
+        fmt::format("simulate city --robots {} --poses {} --dimension {} --landmarks {} "
+                    "--closures-per-pose {} --outlier-fraction {} --seed {}",
+                    command.robots, command.poses, command.dimension, command.landmarks,
+                    options.loops_per_pose, command.outlier_fraction, command.seed),
         console);
   return kDone;
 }
