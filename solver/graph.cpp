@@ -22,8 +22,7 @@ bool AllFinite(Span<const double> values) {
 }
 
 std::string OffManifold(const Key& key, const VariableType& type) {
-  return "variable " + key.ToString() + ": not a " + type.name + " (" +
-         type.summary + ")";
+  return "variable " + key.ToString() + ": not a " + type.name + " (" + type.summary + ")";
 }
 
 template <class Type>
