@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -20,13 +21,6 @@ using RowMajor = Eigen::Matrix<double, kRows, kColumns, Eigen::RowMajor>;
 /// A Jacobian that the host wants filled.
 template <int kRows, int kColumns>
 using JacobianMap = Eigen::Map<RowMajor<kRows, kColumns>>;
-
-/// The angle in (-pi, pi].
-inline double WrapAngle(double angle_rad) {
-  if (angle_rad > -M_PI && angle_rad <= M_PI) return angle_rad;
-  const double wrapped = std::remainder(angle_rad, 2 * M_PI);
-  return wrapped > -M_PI ? wrapped : M_PI;
-}
 
 /// Skew(v) u = v x u.
 inline RowMajor<3, 3> Skew(const Eigen::Vector3d& v) {
@@ -50,21 +44,18 @@ inline RowMajor<3, 3> InverseRightJacobian(const Eigen::Vector3d& r) {
 }
 
 /// A measured pose in space: x y z qx qy qz qw, as its matrix and its quaternion.
-/// The quaternion may carry six digits: it is normalised; throws std::invalid_argument where its
-/// squared norm is further than 2e-3 from 1.
+/// Throws std::invalid_argument where the quaternion is not one (see NormaliseQuaternion).
 struct MeasuredPose {
   RowMajor<3, 3> rotation;
   Eigen::Vector3d translation;
   double quaternion[4];  // x y z w
 
   MeasuredPose(const double* values, const char* what) : translation(values) {
-    const double* q = values + 3;
-    const double squared_norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (!(std::abs(squared_norm - 1) <= 2e-3))
-      throw std::invalid_argument(std::string(what) +
-                                  ": expected a unit quaternion qx qy qz qw, found one of norm " +
-                                  std::to_string(std::sqrt(squared_norm)));
-    for (int i = 0; i < 4; ++i) quaternion[i] = q[i] / std::sqrt(squared_norm);
+    std::copy(values + 3, values + 7, quaternion);
+    if (!NormaliseQuaternion(quaternion))
+      throw std::invalid_argument(
+          std::string(what) + ": expected a unit quaternion qx qy qz qw, found one of norm " +
+          std::to_string(Eigen::Map<const Eigen::Vector4d>(quaternion).norm()));
     QuaternionToMatrix(quaternion, rotation.data());
   }
 };

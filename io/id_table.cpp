@@ -4,6 +4,8 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "graticule/solver/rotation.hpp"
+
 namespace graticule {
 
 void IdTable::Define(std::uint64_t id, VariableId variable, std::size_t offset) {
@@ -83,15 +85,6 @@ void RethrowAt(const TextReader& reader, std::size_t offset, const Error& error)
   } catch (const Error& placed) {
     throw Error(placed.what(), error.Kind());
   }
-}
-
-bool NormaliseQuaternion(double* q) {
-  const double squared_norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  if (!(std::abs(squared_norm - 1) < 2e-3)) return false;
-  // As in solver/variable.cpp: what is at unit length already keeps its digits.
-  if (std::abs(squared_norm - 1) > 1e-15)
-    for (int i = 0; i < 4; ++i) q[i] /= std::sqrt(squared_norm);
-  return true;
 }
 
 void ReadQuaternion(TextReader* reader, const char* const what[4], double* q) {

@@ -68,10 +68,6 @@ std::vector<std::uint64_t> AssignIds(const Graph& graph,
 /// The error that something threw, again, with a place in the file before it and its kind kept.
 [[noreturn]] void RethrowAt(const TextReader& reader, std::size_t offset, const Error& error);
 
-/// Brings four numbers x y z w to unit length where they are within rounding of it (six digits a
-/// number), as Graph does with variables; false where they are further off.
-bool NormaliseQuaternion(double* q);
-
 /// Reads x y z w and normalises them.
 void ReadQuaternion(TextReader* reader, const char* const what[4], double* q);
 

@@ -6,6 +6,7 @@
 #include "graticule/io/toro.hpp"
 #include "graticule/io/toro_angles.hpp"
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/rotation.hpp"
 
 namespace graticule {
 namespace {

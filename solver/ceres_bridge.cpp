@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <thread>
 
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/parallel_evaluation.hpp"
 #include "graticule/solver/stopwatch.hpp"
 
 namespace graticule {
@@ -52,80 +52,16 @@ class BridgeLoss final : public ceres::LossFunction {
   Loss loss_;
 };
 
-// All factors' residuals and Jacobians at one point, computed by several threads before Ceres asks
-// for them.
-class ParallelEvaluation final : public ceres::EvaluationCallback {
+// Has the factors evaluated by several threads before Ceres asks for them.
+class EvaluateBeforehand final : public ceres::EvaluationCallback {
  public:
-  ParallelEvaluation(const Evaluation& evaluation, const double* data, int threads)
-      : evaluation_(evaluation), data_(data), threads_(threads) {
-    const Graph& graph = evaluation.TheGraph();
-    std::size_t offset = 0;
-    for (FactorId id = 0; id < evaluation.FactorCount(); ++id) {
-      offset_.push_back(offset);
-      std::size_t columns = 1;
-      for (const VariableId variable : graph.FactorAt(id).variables)
-        columns += static_cast<std::size_t>(graph.TypeOf(variable).Size());
-      offset += columns * static_cast<std::size_t>(graph.ResidualSize(id));
-    }
-    storage_.resize(offset);
-    good_.resize(evaluation.FactorCount());
-  }
-
+  explicit EvaluateBeforehand(ParallelEvaluation* evaluation) : evaluation_(evaluation) {}
   void PrepareForEvaluation(bool with_jacobians, bool) override {
-    const auto count = static_cast<FactorId>(evaluation_.FactorCount());
-    const auto share = [&](int thread) {
-      const auto part = [&](int t) {
-        return static_cast<FactorId>(std::uint64_t{count} * t / threads_);
-      };
-      Work(part(thread), part(thread + 1), with_jacobians);
-    };
-    std::vector<std::thread> others;
-    for (int t = 1; t < threads_; ++t) others.emplace_back(share, t);
-    share(0);
-    for (std::thread& other : others) other.join();
-  }
-
-  bool Copy(FactorId id, const int* sizes, double* residual, double** jacobians) const {
-    if (!good_[id]) return false;
-    const int rows = evaluation_.TheGraph().ResidualSize(id);
-    const double* from = storage_.data() + offset_[id];
-    std::copy(from, from + rows, residual);
-    from += rows;
-    const std::size_t count = evaluation_.TheGraph().FactorAt(id).variables.size();
-    for (std::size_t i = 0; jacobians && i < count; from += rows * sizes[i++])
-      if (jacobians[i]) std::copy(from, from + rows * sizes[i], jacobians[i]);
-    return true;
+    evaluation_->Prepare(with_jacobians);
   }
 
  private:
-  void Work(FactorId begin, FactorId end, bool with_jacobians) {
-    const Graph& graph = evaluation_.TheGraph();
-    std::vector<const double*> blocks;
-    std::vector<double*> jacobians;
-    std::vector<int> strides;
-    for (FactorId id = begin; id < end; ++id) {
-      evaluation_.Blocks(id, data_, &blocks);
-      const int rows = graph.ResidualSize(id);
-      double* residual = storage_.data() + offset_[id];
-      double* next = residual + rows;
-      jacobians.clear();
-      strides.clear();
-      for (const VariableId variable : graph.FactorAt(id).variables) {
-        jacobians.push_back(next);
-        strides.push_back(graph.TypeOf(variable).Size());
-        next += rows * strides.back();
-      }
-      good_[id] = evaluation_.Whitened(id, blocks.data(), residual,
-                                       with_jacobians ? jacobians.data() : nullptr, strides.data());
-    }
-  }
-
-  const Evaluation& evaluation_;
-  const double* data_;
-  int threads_;
-  std::vector<std::size_t> offset_;
-  std::vector<double> storage_;
-  std::vector<char> good_;  // not bits: threads write neighbours
+  ParallelEvaluation* evaluation_;
 };
 
 class BridgeCost final : public ceres::CostFunction {
@@ -145,7 +81,7 @@ class BridgeCost final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
     const int* sizes = parameter_block_sizes().data();
-    if (prepared_) return prepared_->Copy(id_, sizes, residual, jacobians);
+    if (prepared_) return prepared_->Copy(id_, residual, jacobians);
     return evaluation_->Whitened(id_, blocks, residual, jacobians, sizes);
   }
 
@@ -264,7 +200,8 @@ struct CeresBridge::Machine {
   std::vector<std::unique_ptr<TangentManifold>> manifolds;
   std::map<std::pair<LossKind, double>, std::unique_ptr<BridgeLoss>> losses;
   std::vector<BridgeCost> costs;
-  std::unique_ptr<ParallelEvaluation> parallel;
+  std::unique_ptr<ParallelEvaluation> parallel;  // null with one thread
+  std::unique_ptr<EvaluateBeforehand> beforehand;
   std::unique_ptr<ceres::Problem> problem;
   std::size_t parameters = 0;
 
@@ -276,15 +213,17 @@ CeresBridge::CeresBridge(const Evaluation& evaluation, const SolveOptions& optio
     : machine_(std::make_unique<Machine>(evaluation)) {
   Machine& m = *machine_;
   const Graph& graph = evaluation.TheGraph();
-  if (options.threads > 1)
+  if (options.threads > 1) {
     m.parallel = std::make_unique<ParallelEvaluation>(evaluation, data->data(), options.threads);
+    m.beforehand = std::make_unique<EvaluateBeforehand>(m.parallel.get());
+  }
 
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem_options.disable_all_safety_checks = true;  // Graph::Add has made them
-  problem_options.evaluation_callback = m.parallel.get();
+  problem_options.evaluation_callback = m.beforehand.get();
   m.problem = std::make_unique<ceres::Problem>(problem_options);
 
   for (const VariableType& type : graph.UsedVariableTypes())

@@ -8,6 +8,24 @@ namespace graticule {
 /// of so3/1 and se3/1.  Templates, so that factors may use them with automatic derivatives. Outputs
 /// may not overlap inputs.
 
+/// The angle in (-pi, pi].
+inline double WrapAngle(double angle_rad) {
+  if (angle_rad > -M_PI && angle_rad <= M_PI) return angle_rad;
+  const double wrapped = std::remainder(angle_rad, 2 * M_PI);
+  return wrapped > -M_PI ? wrapped : M_PI;
+}
+
+/// Brings a quaternion x y z w to unit length.  Text files carry six digits a number, so a squared
+/// norm within 2e-3 of 1 is rounding; false, and q untouched, where it is further off.  A second
+/// pass leaves the digits as they are.
+inline bool NormaliseQuaternion(double* q) {
+  const double squared_norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (!(std::abs(squared_norm - 1) < 2e-3)) return false;
+  if (std::abs(squared_norm - 1) > 1e-15)
+    for (int i = 0; i < 4; ++i) q[i] /= std::sqrt(squared_norm);
+  return true;
+}
+
 /// p = a * b.
 template <class T>
 void QuaternionProduct(const T* a, const T* b, T* p) {

@@ -11,21 +11,6 @@
 namespace graticule {
 namespace {
 
-double WrapAngle(double angle_rad) {
-  if (angle_rad > -M_PI && angle_rad <= M_PI) return angle_rad;
-  return std::atan2(std::sin(angle_rad), std::cos(angle_rad));
-}
-
-// A quaternion as text files carry it: six digits a number is common, so 1e-3 is rounding, more is
-// a mistake.
-int32_t NormaliseQuaternion(double* q) {
-  const double squared_norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  if (!(std::abs(squared_norm - 1) < 2e-3)) return 0;
-  if (std::abs(squared_norm - 1) > 1e-15)  // idempotent: a second pass leaves the digits alone
-    for (int i = 0; i < 4; ++i) q[i] /= std::sqrt(squared_norm);
-  return 1;
-}
-
 void Se2Plus(const double* x, const double* delta, double* y) {
   const double c = std::cos(x[2]), s = std::sin(x[2]);
   y[0] = x[0] + c * delta[0] - s * delta[1];

@@ -1,0 +1,80 @@
+#include "graticule/solver/parallel_evaluation.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <thread>
+
+namespace graticule {
+
+ParallelEvaluation::ParallelEvaluation(const Evaluation& evaluation, const double* data,
+                                       int threads)
+    : evaluation_(evaluation), data_(data) {
+  // More threads than cores bring nothing, and too many cannot be made.
+  const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  threads_ = std::clamp(threads, 1, 4 * cores);
+  const Graph& graph = evaluation.TheGraph();
+  std::size_t offset = 0;
+  offset_.reserve(evaluation.FactorCount());
+  for (FactorId id = 0; id < evaluation.FactorCount(); ++id) {
+    offset_.push_back(offset);
+    std::size_t columns = 1;
+    for (const VariableId variable : graph.FactorAt(id).variables)
+      columns += static_cast<std::size_t>(graph.TypeOf(variable).Size());
+    offset += columns * static_cast<std::size_t>(graph.ResidualSize(id));
+  }
+  storage_.resize(offset);
+  good_.resize(evaluation.FactorCount());
+}
+
+void ParallelEvaluation::Prepare(bool with_jacobians) {
+  const auto bound = [&](int thread) {
+    return static_cast<FactorId>(std::uint64_t{evaluation_.FactorCount()} *
+                                 static_cast<unsigned>(thread) / static_cast<unsigned>(threads_));
+  };
+  const auto share = [&](int thread) { Work(bound(thread), bound(thread + 1), with_jacobians); };
+  std::vector<std::thread> others;
+  for (int t = 1; t < threads_; ++t) others.emplace_back(share, t);
+  share(0);
+  for (std::thread& other : others) other.join();
+}
+
+bool ParallelEvaluation::Copy(FactorId id, double* residual, double** jacobians) const {
+  if (!good_[id]) return false;
+  const Graph& graph = evaluation_.TheGraph();
+  const int rows = graph.ResidualSize(id);
+  const double* from = storage_.data() + offset_[id];
+  std::copy(from, from + rows, residual);
+  if (!jacobians) return true;
+  from += rows;
+  const Span<const VariableId> variables = graph.FactorAt(id).variables;
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    const int size = rows * graph.TypeOf(variables[i]).Size();
+    if (jacobians[i]) std::copy(from, from + size, jacobians[i]);
+    from += size;
+  }
+  return true;
+}
+
+void ParallelEvaluation::Work(FactorId begin, FactorId end, bool with_jacobians) {
+  const Graph& graph = evaluation_.TheGraph();
+  std::vector<const double*> blocks;
+  std::vector<double*> jacobians;
+  std::vector<int> strides;
+  for (FactorId id = begin; id < end; ++id) {
+    evaluation_.Blocks(id, data_, &blocks);
+    const int rows = graph.ResidualSize(id);
+    double* residual = storage_.data() + offset_[id];
+    double* next = residual + rows;
+    jacobians.clear();
+    strides.clear();
+    for (const VariableId variable : graph.FactorAt(id).variables) {
+      jacobians.push_back(next);
+      strides.push_back(graph.TypeOf(variable).Size());
+      next += rows * strides.back();
+    }
+    good_[id] = evaluation_.Whitened(id, blocks.data(), residual,
+                                     with_jacobians ? jacobians.data() : nullptr, strides.data());
+  }
+}
+
+}  // namespace graticule
