@@ -28,6 +28,19 @@ endforeach()
 install(FILES "${GRATICULE_VERSION_INCLUDE}/graticule/version.hpp"
   DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/graticule")
 
+# Shared libraries find each other, and the program finds them, wherever the installation was moved.
+if(BUILD_SHARED_LIBS)
+  file(RELATIVE_PATH libdir_from_bindir "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_LIBDIR}")
+  foreach(room IN ITEMS solver factors io problems)
+    if(TARGET graticule_${room})
+      set_target_properties(graticule_${room} PROPERTIES INSTALL_RPATH "$ORIGIN"
+        VERSION "${PROJECT_VERSION}" SOVERSION "${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
+    endif()
+  endforeach()
+  if(TARGET graticule_cli)
+    set_target_properties(graticule_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${libdir_from_bindir}")
+  endif()
+endif()
 if(TARGET graticule_cli)
   install(TARGETS graticule_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
