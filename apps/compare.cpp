@@ -72,11 +72,9 @@ ComparisonRun Repeat(const std::string& file, const CompareCommand& command, con
       const std::string what =
           fmt::format("{} {} {}/{}", file, configuration.name, i, command.repeats);
       Report report = RunOnce(file, command.reading, types, configuration, console, what);
-      if (i == 0) {
-        run.report = std::move(report);  // its result counts, its times do not: caches were cold
-      } else {
-        timings.push_back(report.timing);
-      }
+      // The first run counts only where it stays the only one: its caches were cold.
+      if (i > 0) timings.push_back(report.timing);
+      if (i <= 1) run.report = std::move(report);
     }
     run.peak_memory_bytes = PeakMemory();
   } catch (const graticule::Error& error) {

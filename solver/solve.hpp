@@ -23,10 +23,11 @@ struct Solution {
 /// Minimises 0.5 sum rho(r' W r) over the free variables, from the graph's own values.  The graph
 /// is not changed: `graph.SetValues(solution.values)` to go on from there.
 ///
-/// Throws Error: kMissingType where a factor's type is not known here; kIllPosed where a variable
-/// has no factor, or the graph is in several pieces that nothing holds together; kInput where a
-/// factor's data are wrong.  Everything numerical (no convergence, a factor that returns nan) is in
-/// the report.  Same input, same digits.
+/// Throws Error: kMissingType where a factor's type is not known here; kIllPosed where, with
+/// anchor automatic, a variable has no factor, or the graph is in several pieces that nothing holds
+/// together; kInput where a factor's data are wrong; kUsage where options do not go together.
+/// Everything numerical (no convergence, a factor that returns nan) is in the report.  Same input,
+/// same digits.
 Solution Solve(const Graph& graph, const SolveOptions& options = {}, const Observer& watch = {});
 
 /// r' W r of every factor at these values (default: the graph's own), by FactorId.  A factor that
