@@ -33,15 +33,36 @@ std::string Table(const ComparisonBlock& block, bool main) {
   return columns.size() > 1 ? html::Table(columns, rows) : std::string();
 }
 
-// Objective above the lowest one anybody reached, against the time since the solve began.
+// With a loss the objective is another function than 0.5 r'Wr.
+bool IsRobust(const ComparisonRun& run) {
+  const Report& report = run.report;
+  return std::fabs(report.final_objective - report.final_cost) >
+         1e-9 * std::fabs(report.final_cost);
+}
+
+double LowestObjective(const ComparisonRun& run) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Iteration& step : run.report.iterations)
+    if (step.accepted && std::isfinite(step.objective)) lowest = std::min(lowest, step.objective);
+  return lowest;
+}
+
+// Objective above the lowest one that anybody reached, against the time since the solve began; of a
+// run with a loss, above its own lowest.
 std::string Convergence(const ComparisonBlock& block) {
   double best = std::numeric_limits<double>::infinity();
+  bool any_robust = false;
   for (const ComparisonRun* run : block.runs) {
     if (!run->error.empty()) continue;
-    for (const Iteration& step : run->report.iterations)
-      if (step.accepted && std::isfinite(step.objective)) best = std::min(best, step.objective);
     if (std::isfinite(run->best_known)) best = std::min(best, run->best_known);
+    if (IsRobust(*run)) {
+      any_robust = true;
+    } else {
+      best = std::min(best, LowestObjective(*run));
+    }
   }
+  for (const ComparisonRun* run : block.runs)  // where every run has a loss
+    if (!std::isfinite(best) && run->error.empty()) best = LowestObjective(*run);
   if (!std::isfinite(best)) return {};
   const double floor = std::max(kFloor * std::fabs(best), 1e-15);
 
@@ -54,14 +75,19 @@ std::string Convergence(const ComparisonBlock& block) {
   chart.height = 400;
   for (const ComparisonRun* run : block.runs) {
     if (!run->error.empty()) continue;
-    Curve curve{run->configuration, {}};
+    const bool robust = IsRobust(*run);
+    const double base = robust ? LowestObjective(*run) : best;
+    Curve curve{run->configuration + (robust ? " *" : ""), {}};
     for (const Iteration& step : run->report.iterations)
       if (step.accepted)
-        curve.points.push_back({step.seconds, std::max(step.objective - best, floor)});
+        curve.points.push_back({step.seconds, std::max(step.objective - base, floor)});
     chart.curves.push_back(std::move(curve));
   }
   return html::Figure(DrawCurves(chart)) +
-         html::Paragraph("Differences below " + ReadableNumber(floor, 2) + " are drawn as that.",
+         html::Paragraph("Differences below " + ReadableNumber(floor, 2) + " are drawn as that." +
+                             (any_robust ? "  * With a loss the objective is another function: "
+                                           "drawn above its own lowest value."
+                                         : ""),
                          "soft");
 }
 

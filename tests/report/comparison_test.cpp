@@ -13,8 +13,8 @@
 namespace graticule {
 namespace {
 
-ComparisonRun Run(const std::string& file, const std::string& configuration, double cost,
-                  double seconds) {
+ComparisonRun SampleRun(const std::string& file, const std::string& configuration, double cost,
+                        double seconds) {
   ComparisonRun run;
   run.file = file;
   run.configuration = configuration;
@@ -33,9 +33,10 @@ ComparisonRun Run(const std::string& file, const std::string& configuration, dou
 
 Comparison Sample() {
   Comparison comparison;
-  comparison.runs = {Run("städte.g2o", "levenberg_marquardt", 2, 0.5),
-                     Run("städte.g2o", "gauss <newton>", 2.5, 0.2), Run("b.g2o", "長い", 2, 0.5),
-                     Run("städte.g2o", "gave up", 9, 0.001), Run("städte.g2o", "broken", 0, 0)};
+  comparison.runs = {
+      SampleRun("städte.g2o", "levenberg_marquardt", 2, 0.5),
+      SampleRun("städte.g2o", "gauss <newton>", 2.5, 0.2), SampleRun("b.g2o", "長い", 2, 0.5),
+      SampleRun("städte.g2o", "gave up", 9, 0.001), SampleRun("städte.g2o", "broken", 0, 0)};
   comparison.runs[3].report.termination = Termination::kTimeLimit;
   comparison.runs[4].error = "option 'method':\nno such <method>";
   comparison.provenance = {{"graticule", "0.1.0"}};
@@ -104,6 +105,17 @@ TEST(Comparison, AlignsTheTerminalTable) {
   EXPECT_GT(end_column, 0u);
   EXPECT_NE(table.find("broken: option 'method': no such <method>"), std::string::npos);
   EXPECT_NE(ComparisonTable(comparison, true).find("\x1b[1;32m"), std::string::npos);
+}
+
+TEST(Comparison, DrawsARunWithALossAboveItsOwnLowestObjective) {
+  Comparison comparison;
+  comparison.runs = {SampleRun("a.g2o", "plain", 0, 0.5), SampleRun("a.g2o", "robust", 9, 0.5)};
+  comparison.runs[0].report.final_cost = comparison.runs[0].report.final_objective;
+  const std::string both = ComparisonHtml(comparison);
+  EXPECT_NE(both.find("robust *"), std::string::npos);
+  EXPECT_EQ(both.find("plain *"), std::string::npos);
+  comparison.runs.erase(comparison.runs.begin());
+  EXPECT_NE(ComparisonHtml(comparison).find("robust *"), std::string::npos) << "with a loss only";
 }
 
 }  // namespace
