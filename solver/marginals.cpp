@@ -6,6 +6,7 @@
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/linearise.hpp"
 #include "graticule/solver/numeric_guard.hpp"
+#include "graticule/solver/sparse_inverse.hpp"
 
 namespace graticule {
 namespace {
@@ -14,11 +15,15 @@ namespace {
 // its inverse is believed.
 constexpr double kSuspicious = 1e-11;
 
+// From so many columns on, the inverse on the factor's pattern is cheaper than solving for them.
+constexpr std::size_t kManyColumns = 128;
+
 // Owns a factor of the column-scaled normal matrix.
 class ScaledFactor {
  public:
-  explicit ScaledFactor(SparseColumns transposed)
+  ScaledFactor(SparseColumns transposed, bool supernodal)
       : scale_(static_cast<std::size_t>(transposed.rows), 0.0) {
+    if (supernodal) cholmod_()->supernodal = CHOLMOD_SUPERNODAL;
     for (std::size_t k = 0; k < transposed.row.size(); ++k)
       scale_[static_cast<std::size_t>(transposed.row[k])] +=
           transposed.value[k] * transposed.value[k];
@@ -38,6 +43,9 @@ class ScaledFactor {
 
   bool IsClearlyPositive() const { return is_positive_; }
   bool IsUsable() const { return factor_ && factor_->minor == factor_->n; }
+
+  const cholmod_factor& Factor() const { return *factor_; }
+  double Scale(int row) const { return scale_[static_cast<std::size_t>(row)]; }
 
   // Columns of the inverse normal matrix: result is rows x columns.size(), by columns.
   std::vector<double> InverseColumns(const std::vector<int>& columns) {
@@ -107,7 +115,12 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
         marginals.blocks_[{graph.KeyOf(a), graph.KeyOf(b)}].assign(size_of(a) * size_of(b), 0.0);
   if (index.size == 0) return marginals;
 
-  ScaledFactor factor(TransposedJacobian(evaluation, values.Data().data(), index));
+  // Solving for columns pays for a few keys, and gives the blocks between them; for many, the
+  // entries of the inverse on the factor's pattern cost about two factorisations in all.
+  std::size_t columns_wanted = 0;
+  for (const VariableId id : wanted) columns_wanted += held(id) ? 0 : size_of(id);
+  const bool by_pattern = !joint && columns_wanted > kManyColumns;
+  ScaledFactor factor(TransposedJacobian(evaluation, values.Data().data(), index), by_pattern);
   if (!factor.IsClearlyPositive()) {
     Diagnosis diagnosis = Diagnose(graph, values, anchors);
     if (diagnosis.free_directions > 0) return diagnosis;
@@ -119,8 +132,23 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
     }
   }
 
-  constexpr std::size_t kBatch =
-      64;  // right-hand sides a solve: wide enough for BLAS 3, small in memory
+  if (by_pattern) {
+    const SparseInverse inverse(factor.Factor());
+    for (const VariableId id : wanted) {
+      if (held(id)) continue;
+      const int n = graph.TypeOf(id).TangentSize(), first = index.first[id];
+      std::vector<double>& block = marginals.blocks_[{graph.KeyOf(id), graph.KeyOf(id)}];
+      block.clear();
+      for (int r = 0; r < n; ++r)
+        for (int c = 0; c < n; ++c)
+          block.push_back(inverse.At(first + r, first + c) * factor.Scale(first + r) *
+                          factor.Scale(first + c));
+    }
+    return marginals;
+  }
+
+  // Right-hand sides a solve: wide enough for BLAS 3, small in memory.
+  constexpr std::size_t kBatch = 64;
   const auto rows = static_cast<std::size_t>(index.size);
   for (std::size_t begin = 0; begin < wanted.size();) {
     std::vector<int> columns;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "expect_error.hpp"
 #include "graticule/solver/solve.hpp"
 #include "problems.hpp"
@@ -118,6 +120,33 @@ TEST(Marginals, GrowAlongAChainAsItsVariancesAdd) {
     EXPECT_NEAR(block[0], 0.01 * i, 1e-9 * i);
     EXPECT_NEAR(block[8], 0.0001 * i, 1e-11 * i);
   }
+}
+
+// Many keys at once come from the inverse on the factor's pattern, few from solving for columns:
+// two ways to the same numbers.
+void ExpectAllAsOneByOne(const Graph& graph) {
+  const Values values = Solve(graph).values;
+  const Marginals all = Compute(graph, values, AllKeys(graph));
+  for (VariableId id = 0; id < graph.VariableCount(); id += 7) {
+    const Key& key = graph.KeyOf(id);
+    const Numbers one = Compute(graph, values, {key}).Covariance(key);
+    const Numbers& many = all.Covariance(key);
+    ASSERT_EQ(many.size(), one.size());
+    const double largest = *std::max_element(one.begin(), one.end());
+    for (std::size_t i = 0; i < one.size(); ++i)
+      EXPECT_NEAR(many[i], one[i], 1e-9 * largest) << key.ToString() << " entry " << i;
+  }
+}
+
+TEST(Marginals, OfAllKeysAreThoseOfEachByItself) {
+  ExpectAllAsOneByOne(Se2Loop(300, 0.05, 0.1));
+  ExpectAllAsOneByOne(Se3Loop(100, 0.02, 0.05));
+  // Closures everywhere: large supernodes.
+  Graph graph = Se2Loop(200, 0.05, 0.1);
+  for (unsigned i = 0; i < 200; ++i)
+    graph.Add(BetweenSe2Factor(Key("pose", i), Key("pose", (37 * i + 11) % 200), {0.01 * i, 1, 0.1},
+                               Noise::Sigmas({1, 2, 0.3})));
+  ExpectAllAsOneByOne(graph);
 }
 
 TEST(Marginals, ThatWereNotAskedForAreAnError) {
