@@ -27,11 +27,13 @@ std::vector<double> AllChi2(const Evaluation& evaluation, const double* data) {
 // Sums in the order of the factors: the same digits every time.
 void AddCosts(const Graph& graph, const std::vector<double>& initial,
               const std::vector<double>& final, Report* report) {
-  std::map<std::pair<std::string_view, std::string_view>, std::size_t> rows;
+  // Views of names that the graph owns.
+  using Name = std::pair<std::string_view, std::string_view>;
+  std::map<Name, std::size_t> rows;
   for (FactorId id = 0; id < graph.FactorCount(); ++id) {
     const FactorView factor = graph.FactorAt(id);
-    const auto [row, is_new] =
-        rows.emplace(std::pair(factor.type->name, factor.source), report->shares.size());
+    const Name name(factor.type->name, factor.source);
+    const auto [row, is_new] = rows.emplace(name, report->shares.size());
     if (is_new) {
       report->shares.emplace_back();
       report->shares.back().type = factor.type->name;
