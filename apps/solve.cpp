@@ -129,8 +129,9 @@ int Run(const SolveCommand& command, const Console& console) {
   const PhaseTime initialise = clock.Lap();
   const Values before = graph.InitialValues();
 
+  // From here on Ctrl-C ends the solve, and does not cut a file that is being written.
+  const Interruptible interruptible;
   Solution solution = About(command.file, [&] {
-    const Interruptible interruptible;
     return Solve(graph, configuration.solve, Watch(console, command.file));
   });
   console.Progress("");
