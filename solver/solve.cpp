@@ -143,4 +143,19 @@ std::vector<double> FactorChi2(const Graph& graph, const Values& values) {
   return AllChi2(evaluation, values.Data().data());
 }
 
+std::vector<double> Objectives(const Graph& graph, const std::vector<const Values*>& values) {
+  for (const Values* candidate : values) graph.CheckLayout(*candidate);
+  const Evaluation evaluation(graph);
+  std::vector<double> objectives;
+  for (const Values* candidate : values) {
+    double objective = 0, rho[3];
+    for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+      EvaluateLoss(graph.FactorAt(id).loss, evaluation.Chi2(id, candidate->Data().data()), rho);
+      objective += 0.5 * rho[0];
+    }
+    objectives.push_back(objective);
+  }
+  return objectives;
+}
+
 }  // namespace graticule

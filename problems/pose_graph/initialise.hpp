@@ -11,10 +11,12 @@ namespace graticule {
 
 /// Where a pose graph's initial values come from.
 enum class InitialGuess {
-  kAutomatic,     ///< the file's where it has them, else the spanning tree
+  kAutomatic,     ///< the best of the file's, chordal and spanning tree; see Initialise
   kFile,          ///< as they are
   kOdometry,      ///< along consecutive keys of a family; the tree for what that does not reach
   kSpanningTree,  ///< breadth first over all between factors: the fewest measurements to each pose
+  kMinimumSpanningTree,  ///< of the traces of the between factors' covariances
+  kChordal,  ///< rotations, then translations, by linear least squares: see PlaceByChordal
 };
 
 struct InitialiseOptions {
@@ -23,6 +25,12 @@ struct InitialiseOptions {
 
 /// The one description of InitialiseOptions.
 const std::vector<OptionRow<InitialiseOptions>>& InitialiseOptionTable();
+
+/// What a candidate would begin with: 0.5 sum rho(r' W r), nan where it cannot be evaluated.
+struct InitialCost {
+  InitialGuess guess;
+  double cost;
+};
 
 struct InitialiseReport {
   InitialGuess used = InitialGuess::kFile;
@@ -33,7 +41,10 @@ struct InitialiseReport {
   /// Roots that nothing holds: the smallest key of a piece without a fixed pose or a prior.
   std::size_t free_roots = 0;
   std::size_t assumed = 0;  ///< of the landmarks, those at an assumed range or direction
-  std::string summary;      ///< one line
+  /// Pieces that chordal left to the spanning tree, for want of measurements.
+  std::size_t kept_pieces = 0;
+  std::vector<InitialCost> candidates;  ///< what automatic chose from; empty where it had no choice
+  std::string summary;                  ///< one line
 };
 
 /// Gives the poses (se2/1, se3/1) and landmarks (point2/1, point3/1) of a graph initial values from
@@ -43,11 +54,18 @@ struct InitialiseReport {
 /// of each piece that is still unplaced, at its own value.  Landmarks come last, from their first
 /// sighting; of a landmark with bearings only, from the two that cross best, and where none cross
 /// well at an assumed 10 m; of one with ranges only, straight ahead.  The report says how many.
+/// Chordal places landmarks together with the poses where their sightings say all of them.
 /// Pieces that only landmarks or positions (position_*) tie together are not aligned.
 ///
 /// A graph without such poses (bundle adjustment) is left untouched, and the summary says so.
-/// `file_has_guess` is what the reader of the file says: automatic turns on it.
-/// Deterministic; time in proportion to the graph, but for the sorting of keys.
+/// `file_has_guess` is what the reader of the file says.
+///
+/// Automatic, where the between factors close no loop: the file's where it has them, else the
+/// spanning tree.  Where they do: of the file's (if any), chordal and the spanning tree, the one of
+/// the least cost 0.5 sum rho(r' W r).
+///
+/// Deterministic.  Time in proportion to the graph, but for the sorting of keys and chordal's two
+/// sparse factorisations.
 InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess);
 
 /// "automatic", "file", "odometry", "spanning_tree".
