@@ -10,14 +10,14 @@
 namespace graticule {
 namespace {
 
-cholmod_sparse UpperTriangle(int size, int* begins, int* rows, double* values) {
+cholmod_sparse LowerTriangle(std::vector<int>& begins, std::vector<int>& rows, double* values) {
   cholmod_sparse view{};
-  view.nrow = view.ncol = static_cast<std::size_t>(size);
-  view.nzmax = static_cast<std::size_t>(begins[size]);
-  view.p = begins;
-  view.i = rows;
+  view.nrow = view.ncol = begins.size() - 1;
+  view.nzmax = rows.size();
+  view.p = begins.data();
+  view.i = rows.data();
   view.x = values;
-  view.stype = 1;  // what lies below the diagonal, inside its blocks, is not read
+  view.stype = -1;  // what lies above the diagonal, inside its blocks, is not read
   view.itype = CHOLMOD_INT;
   view.xtype = values ? CHOLMOD_REAL : CHOLMOD_PATTERN;
   view.dtype = CHOLMOD_DOUBLE;
@@ -25,6 +25,57 @@ cholmod_sparse UpperTriangle(int size, int* begins, int* rows, double* values) {
   view.packed = 1;
   return view;
 }
+
+// The blocks of each column on and below the diagonal, rows ascending.
+struct Pattern {
+  std::vector<int> begins, rows;
+
+  Pattern(const std::vector<std::pair<int, int>>& links, const std::vector<int>& place)
+      : begins(place.size() + 1, 0) {
+    // By row first, then by column: a bucket sort that leaves the rows in order.
+    std::vector<int> row_begins(place.size() + 1, 0);
+    const auto ends = [&](const std::pair<int, int>& link) {
+      return std::minmax(place[static_cast<std::size_t>(link.first)],
+                         place[static_cast<std::size_t>(link.second)]);
+    };
+    for (const auto& link : links) ++row_begins[static_cast<std::size_t>(ends(link).second) + 1];
+    for (std::size_t i = 1; i < row_begins.size(); ++i) row_begins[i] += row_begins[i - 1];
+    std::vector<int> columns(links.size());
+    std::vector<int> next(row_begins.begin(), row_begins.end() - 1);
+    for (const auto& link : links) {
+      const auto [column, row] = ends(link);
+      columns[static_cast<std::size_t>(next[static_cast<std::size_t>(row)]++)] = column;
+    }
+    std::vector<int> last(place.size(), -1);  // the column's latest row: parallel links count once
+    const auto each = [&](auto&& visit) {
+      std::fill(last.begin(), last.end(), -1);
+      for (std::size_t row = 0; row < place.size(); ++row) {
+        for (int k = row_begins[row]; k < row_begins[row + 1]; ++k) {
+          const auto column = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
+          if (last[column] == static_cast<int>(row)) continue;
+          last[column] = static_cast<int>(row);
+          visit(column, row);
+        }
+      }
+    };
+    each([&](std::size_t column, std::size_t) { ++begins[column + 1]; });
+    for (std::size_t j = 0; j < place.size(); ++j) begins[j + 1] += begins[j] + 1;
+    rows.resize(static_cast<std::size_t>(begins.back()));
+    next.assign(begins.begin(), begins.end() - 1);
+    for (std::size_t j = 0; j < place.size(); ++j)
+      rows[static_cast<std::size_t>(next[j]++)] = static_cast<int>(j);
+    each([&](std::size_t column, std::size_t row) {
+      rows[static_cast<std::size_t>(next[column]++)] = static_cast<int>(row);
+    });
+  }
+
+  // Of a block among those of its column.
+  int PositionOf(int row, int column) const {
+    const auto first = rows.begin() + begins[static_cast<std::size_t>(column)];
+    const auto last = rows.begin() + begins[static_cast<std::size_t>(column) + 1];
+    return static_cast<int>(std::lower_bound(first, last, row) - first);
+  }
+};
 
 }  // namespace
 
@@ -38,7 +89,8 @@ struct BlockSystem::Cholesky {
     common.error_handler = nullptr;
     common.try_catch = 1;
     common.nmethods = 1;
-    common.method[0].ordering = CHOLMOD_GIVEN;
+    common.method[0].ordering = CHOLMOD_NATURAL;
+    common.postorder = 0;
     common.final_ll = 1;  // LDL' would go on past a negative pivot
     common.quick_return_if_not_posdef = 1;
   }
@@ -47,66 +99,65 @@ struct BlockSystem::Cholesky {
     cholmod_finish(&common);
   }
 
-  // Minimum degree on the blocks: on the numbers inside them it would find the same, later.
-  void Analyse(int size, std::vector<int>* block_begins, std::vector<int>* block_rows,
-               cholmod_sparse matrix) {
-    const int nodes = static_cast<int>(block_begins->size()) - 1;
-    cholmod_sparse blocks = UpperTriangle(nodes, block_begins->data(), block_rows->data(), nullptr);
-    std::vector<int> order(static_cast<std::size_t>(nodes));
-    if (!cholmod_amd(&blocks, nullptr, 0, order.data(), &common)) return;
-    std::vector<int> expanded;
-    expanded.reserve(matrix.nrow);
-    for (const int node : order)
-      for (int i = 0; i < size; ++i) expanded.push_back(node * size + i);
-    factor = cholmod_analyze_p(&matrix, expanded.data(), nullptr, 0, &common);
+  // The place of each node in the order of elimination: minimum degree on the blocks, then the
+  // postorder of their elimination tree.  On the numbers inside the blocks it would come out the
+  // same, later; and a matrix that is in order need not be permuted whenever it is factorised.
+  std::vector<int> Order(int nodes, const std::vector<std::pair<int, int>>& links) {
+    const auto count = static_cast<std::size_t>(nodes);
+    std::vector<int> place(count), order(count), parent(count), postorder(count);
+    for (std::size_t i = 0; i < count; ++i) place[i] = static_cast<int>(i);
+    Pattern given(links, place);
+    cholmod_sparse blocks = LowerTriangle(given.begins, given.rows, nullptr);
+    if (!cholmod_amd(&blocks, nullptr, 0, order.data(), &common)) return place;
+    cholmod_sparse* ordered = cholmod_ptranspose(&blocks, 0, order.data(), nullptr, 0, &common);
+    const bool found =
+        ordered && cholmod_etree(ordered, parent.data(), &common) &&
+        cholmod_postorder(parent.data(), count, nullptr, postorder.data(), &common) == nodes;
+    cholmod_free_sparse(&ordered, &common);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto step = found ? static_cast<std::size_t>(postorder[i]) : i;
+      place[static_cast<std::size_t>(order[step])] = static_cast<int>(i);
+    }
+    return place;
   }
 };
 
 BlockSystem::BlockSystem(int block_size, int nodes, const std::vector<std::pair<int, int>>& links)
     : size_(block_size), cholesky_(std::make_unique<Cholesky>()) {
-  const auto count = static_cast<std::size_t>(nodes);
+  const NumericGuard guard;
+  place_ = cholesky_->Order(nodes, links);
+  const Pattern pattern(links, place_);
   const auto size = static_cast<std::size_t>(size_);
-  // The blocks of each column, upper triangle, diagonal last.
-  std::vector<std::vector<int>> above(count);
-  for (const auto& [i, j] : links)
-    above[static_cast<std::size_t>(std::max(i, j))].push_back(std::min(i, j));
-  std::vector<int> block_begins{0}, block_rows;
-  for (std::size_t j = 0; j < count; ++j) {
-    std::sort(above[j].begin(), above[j].end());
-    above[j].erase(std::unique(above[j].begin(), above[j].end()), above[j].end());
-    above[j].push_back(static_cast<int>(j));
-    block_rows.insert(block_rows.end(), above[j].begin(), above[j].end());
-    block_begins.push_back(static_cast<int>(block_rows.size()));
-  }
-
-  const auto slot_of = [&](std::size_t column, std::size_t position) {
-    return Slot{size * size * static_cast<std::size_t>(block_begins[column]) + size * position,
-                size_ * static_cast<int>(above[column].size()), false};
+  const auto slot_of = [&](int column, int position) {
+    const int first = pattern.begins[static_cast<std::size_t>(column)];
+    const int blocks = pattern.begins[static_cast<std::size_t>(column) + 1] - first;
+    return Slot{
+        size * (size * static_cast<std::size_t>(first) + static_cast<std::size_t>(position)),
+        size_ * blocks, false};
   };
-  begins_.reserve(count * size + 1);
+  begins_.reserve(place_.size() * size + 1);
   begins_.push_back(0);
-  rows_.reserve(block_rows.size() * size * size);
-  for (std::size_t j = 0; j < count; ++j) {
-    node_slots_.push_back(slot_of(j, above[j].size() - 1));
+  rows_.reserve(pattern.rows.size() * size * size);
+  for (std::size_t j = 0; j < place_.size(); ++j)
     for (int c = 0; c < size_; ++c) {
-      for (const int i : above[j])
-        for (int r = 0; r < size_; ++r) rows_.push_back(i * size_ + r);
+      for (int k = pattern.begins[j]; k < pattern.begins[j + 1]; ++k)
+        for (int r = 0; r < size_; ++r)
+          rows_.push_back(pattern.rows[static_cast<std::size_t>(k)] * size_ + r);
       begins_.push_back(static_cast<int>(rows_.size()));
     }
-  }
   values_.assign(rows_.size(), 0);
+  node_slots_.reserve(place_.size());
+  for (const int place : place_) node_slots_.push_back(slot_of(place, 0));
   link_slots_.reserve(links.size());
-  for (const auto& [i, j] : links) {
-    const std::vector<int>& column = above[static_cast<std::size_t>(std::max(i, j))];
-    const auto place = std::lower_bound(column.begin(), column.end(), std::min(i, j));
-    Slot slot = slot_of(static_cast<std::size_t>(std::max(i, j)),
-                        static_cast<std::size_t>(place - column.begin()));
-    slot.transposed = i > j;
-    link_slots_.push_back(slot);
+  for (const auto& [first, second] : links) {
+    const int i = place_[static_cast<std::size_t>(first)];
+    const int j = place_[static_cast<std::size_t>(second)];
+    const int row = std::max(i, j), column = std::min(i, j);
+    link_slots_.push_back(slot_of(column, pattern.PositionOf(row, column)));
+    link_slots_.back().transposed = i < j;
   }
-  const NumericGuard guard;
-  cholesky_->Analyse(size_, &block_begins, &block_rows,
-                     UpperTriangle(nodes * size_, begins_.data(), rows_.data(), values_.data()));
+  cholmod_sparse matrix = LowerTriangle(begins_, rows_, values_.data());
+  cholesky_->factor = cholmod_analyze(&matrix, &cholesky_->common);
 }
 
 BlockSystem::~BlockSystem() = default;
@@ -118,24 +169,34 @@ bool BlockSystem::Solve(std::vector<double>* rhs, int columns) {
   Cholesky& cholesky = *cholesky_;
   if (!cholesky.factor) return false;
   const std::size_t size = begins_.size() - 1;
-  cholmod_sparse matrix =
-      UpperTriangle(static_cast<int>(size), begins_.data(), rows_.data(), values_.data());
+  cholmod_sparse matrix = LowerTriangle(begins_, rows_, values_.data());
   if (!cholmod_factorize(&matrix, cholesky.factor, &cholesky.common) ||
       cholesky.common.status != CHOLMOD_OK || cholesky.factor->minor < size)
     return false;
+
+  // From the nodes' order into that of elimination, and back.
+  std::vector<double> ordered(rhs->size());
+  const auto each = [&](auto&& visit) {
+    for (std::size_t c = 0; c < static_cast<std::size_t>(columns); ++c)
+      for (std::size_t node = 0; node < place_.size(); ++node)
+        for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i)
+          visit(c * size + node * static_cast<std::size_t>(size_) + i,
+                c * size + static_cast<std::size_t>(place_[node] * size_) + i);
+  };
+  each([&](std::size_t outside, std::size_t inside) { ordered[inside] = (*rhs)[outside]; });
   cholmod_dense right{};
   right.nrow = right.d = size;
   right.ncol = static_cast<std::size_t>(columns);
-  right.nzmax = rhs->size();
-  right.x = rhs->data();
+  right.nzmax = ordered.size();
+  right.x = ordered.data();
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
   cholmod_dense* solution = cholmod_solve(CHOLMOD_A, cholesky.factor, &right, &cholesky.common);
   if (!solution) return false;
   const double* x = static_cast<const double*>(solution->x);
   const bool finite =
-      std::all_of(x, x + rhs->size(), [](double value) { return std::isfinite(value); });
-  if (finite) std::copy(x, x + rhs->size(), rhs->begin());
+      std::all_of(x, x + ordered.size(), [](double value) { return std::isfinite(value); });
+  if (finite) each([&](std::size_t outside, std::size_t inside) { (*rhs)[outside] = x[inside]; });
   cholmod_free_dense(&solution, &cholesky.common);
   return finite;
 }

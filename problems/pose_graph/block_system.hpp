@@ -39,7 +39,7 @@ class BlockSystem {
   bool Solve(std::vector<double>* rhs, int columns);
 
  private:
-  // Where a block lies among the values of a matrix by columns.
+  // Where a block lies among the values of a matrix by columns, on or below its diagonal.
   struct Slot {
     std::size_t first = 0;
     int stride = 0;  // from column to column
@@ -55,7 +55,8 @@ class BlockSystem {
   }
 
   int size_ = 0;                    // of a block
-  std::vector<int> begins_, rows_;  // scalar pattern: the blocks on and above the diagonal
+  std::vector<int> place_;          // of a node, in the order of elimination
+  std::vector<int> begins_, rows_;  // of numbers: the blocks on and below the diagonal
   std::vector<double> values_;
   std::vector<Slot> node_slots_, link_slots_;
   std::unique_ptr<Cholesky> cholesky_;

@@ -76,6 +76,7 @@ class Relaxation {
   struct Edge {
     FactorId factor;
     VariableId a, b;
+    Pose measured;
     double kappa = 0;
     std::size_t link = 0;   // where both ends are free
     bool is_whole = false;  // it says all of a pose
@@ -131,7 +132,8 @@ class Relaxation {
       const FactorView factor = graph_.FactorAt(id);
       if (role == PoseRole::kBetween) {
         const Information information = InformationOfFactor(factor);
-        Edge edge{id, factor.variables[0], factor.variables[1]};
+        Edge edge{id, factor.variables[0], factor.variables[1],
+                  PoseFrom(factor.measurement.data())};
         edge.kappa = Kappa(factor, information);
         edge.is_whole =
             edge.kappa > 0 &&
@@ -204,9 +206,9 @@ class Relaxation {
   // --- rotations
 
   bool SolveRotations(BlockSystem* system) {
-    std::vector<Matrix> rotations(graph_.VariableCount());
+    rotations_.resize(graph_.VariableCount());
     for (const VariableId id : order_)
-      if (IsPose(id)) rotations[id] = PoseAt(id).rotation;
+      if (IsPose(id)) rotations_[id] = PoseAt(id).rotation;
     // The rows of R stand as columns: kappa |x_b - R_ab' x_a|^2 each, x the change from the tree's.
     const int size = kDim * static_cast<int>(poses_.size());
     std::vector<double> rhs(static_cast<std::size_t>(size * kRows));
@@ -218,8 +220,8 @@ class Relaxation {
     for (const Edge& edge : edges_) {
       const int a = index_[edge.a], b = index_[edge.b];
       if (edge.kappa == 0 || (a == kHeld && b == kHeld)) continue;
-      const Matrix turn = PoseFrom(graph_.FactorAt(edge.factor).measurement.data()).rotation;
-      const Matrix missing = (rotations[edge.a] * turn - rotations[edge.b]).transpose();
+      const Matrix& turn = edge.measured.rotation;
+      const Matrix missing = (rotations_[edge.a] * turn - rotations_[edge.b]).transpose();
       if (a != kHeld) add(a, edge.kappa, -turn * missing);
       if (b != kHeld) add(b, edge.kappa, missing);
       if (a != kHeld && b != kHeld) system->AddToLink(edge.link, Matrix(-edge.kappa * turn));
@@ -231,18 +233,25 @@ class Relaxation {
       Matrix rotation = PoseFrom(factor.measurement.data()).rotation;
       if (RoleOf(prior.factor) == PoseRole::kPriorWithOffset)
         rotation = rotation * PoseFrom(factor.measurement.data() + 7).rotation.transpose();
-      add(node, prior.kappa, (rotation - rotations[prior.pose]).transpose());
+      add(node, prior.kappa, (rotation - rotations_[prior.pose]).transpose());
     }
     if (!system->Solve(&rhs, kRows)) return false;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      Matrix relaxed = rotations[poses_[i]];
+      Matrix& rotation = rotations_[poses_[i]];
+      Matrix relaxed = rotation;
       relaxed.template topRows<kRows>() +=
           x.template middleRows<kDim>(kDim * static_cast<int>(i)).transpose();
       double* pose = values_->Mutable(poses_[i]);
-      if constexpr (kPlanar)
+      if constexpr (kPlanar) {
         pose[2] = WrapAngle(std::atan2(-relaxed(0, 1), relaxed(0, 0)));
-      else
+        const double norm = std::hypot(relaxed(0, 0), relaxed(0, 1));
+        if (!(norm > 0)) return false;
+        relaxed /= norm;
+        rotation << relaxed(0, 0), relaxed(0, 1), -relaxed(0, 1), relaxed(0, 0);
+      } else {
         NearestRotation(relaxed, pose + 3);
+        rotation = PoseAt(poses_[i]).rotation;
+      }
     }
     return true;
   }
@@ -289,17 +298,19 @@ class Relaxation {
     const int a = index_[edge.a], b = index_[edge.b];
     if (a == kHeld && b == kHeld) return;
     const FactorView factor = graph_.FactorAt(edge.factor);
-    const Pose measured = PoseFrom(factor.measurement.data());
-    const Pose pose_a = PoseAt(edge.a), pose_b = PoseAt(edge.b);
-    double reached[7];
-    Between(kPlanar, pose_a.stored, pose_b.stored, reached);
-    const Matrix by = (pose_a.rotation * measured.rotation).transpose();
-    const Vector residual = measured.rotation.transpose() *
-                            (Eigen::Map<const Vector>(reached) - measured.Translation());
+    const Pose& measured = edge.measured;
+    const Vector b_in_a = rotations_[edge.a].transpose() * (PointAt(edge.b) - PointAt(edge.a));
+    const Matrix by = (rotations_[edge.a] * measured.rotation).transpose();
+    const Vector residual = measured.rotation.transpose() * (b_in_a - measured.Translation());
     const Information w = InformationOfFactor(factor);
-    to->Add(
-        a, b, edge.link, by, w.template topLeftCorner<kDim, kDim>(), residual,
-        w.template topRightCorner<kDim, kTurn>() * TurnBetween(factor, measured.stored, reached));
+    const auto coupling = w.template topRightCorner<kDim, kTurn>();
+    Vector coupled = Vector::Zero();
+    if (!coupling.isZero(0)) {
+      double reached[7];
+      Between(kPlanar, PoseAt(edge.a).stored, PoseAt(edge.b).stored, reached);
+      coupled = coupling * TurnBetween(factor, measured.stored, reached);
+    }
+    to->Add(a, b, edge.link, by, w.template topLeftCorner<kDim, kDim>(), residual, coupled);
   }
 
   void AddPrior(const Prior& prior, Translations* to) const {
@@ -370,11 +381,11 @@ class Relaxation {
   }
 
   void AddSighting(const Sighting& sight, std::optional<std::size_t> link, Translations* to) const {
-    const Pose pose = PoseAt(sight.pose), &sensor = sight.body_from_sensor;
-    const Vector in_body =
-        pose.rotation.transpose() * (PointAt(sight.landmark) - pose.Translation());
+    const Matrix& rotation = rotations_[sight.pose];
+    const Pose& sensor = sight.body_from_sensor;
+    const Vector in_body = rotation.transpose() * (PointAt(sight.landmark) - PointAt(sight.pose));
     to->Add(index_[sight.pose], index_[sight.landmark], link,
-            (pose.rotation * sensor.rotation).transpose(), sight.w,
+            (rotation * sensor.rotation).transpose(), sight.w,
             sensor.rotation.transpose() * (in_body - sensor.Translation()) - sight.measured);
   }
 
@@ -386,7 +397,7 @@ class Relaxation {
     const double* measured = factor.measurement.data();
     Vector residual = PointAt(variable) - Eigen::Map<const Vector>(measured);
     if (RoleOf(id) == PoseRole::kPosition && !kPlanar)
-      residual += PoseAt(variable).rotation * Eigen::Map<const Vector>(measured + kDim);
+      residual += rotations_[variable] * Eigen::Map<const Vector>(measured + kDim);
     to->Add(kHeld, index_[variable], {}, Matrix::Identity(), InformationOf<kDim>(factor.noise),
             residual);
   }
@@ -433,6 +444,7 @@ class Relaxation {
   std::vector<Edge> edges_;
   std::vector<Prior> priors_;
   std::vector<FactorId> others_;
+  std::vector<Matrix> rotations_;              // by variable
   std::vector<int> index_;                     // by variable: its node; kHeld
   std::vector<std::uint32_t> group_;           // by variable: who agree on a frame
   std::vector<VariableId> poses_, landmarks_;  // by node, one after the other

@@ -28,20 +28,23 @@ const std::vector<std::pair<std::string, InitialGuess>> kNames = {
 // Whether there is something to place, and something to gain from more than a tree.
 struct Shape {
   bool has_poses = false;
-  std::size_t closures = 0;  // between factors that a spanning tree leaves out
+  std::size_t closures = 0;  // between and landmark factors that a spanning tree leaves out
 };
 
 Shape ShapeOf(const Graph& graph) {
   Shape shape;
   for (const VariableType& type : graph.UsedVariableTypes())
     shape.has_poses |= type.name == "se2/1" || type.name == "se3/1";
-  std::vector<bool> between;
-  for (const FactorType& type : graph.UsedFactorTypes())
-    between.push_back(PoseRoleOf(type.name) == PoseRole::kBetween);
-  if (std::find(between.begin(), between.end(), true) == between.end()) return shape;
+  if (!shape.has_poses) return shape;
+  std::vector<bool> joins;
+  for (const FactorType& type : graph.UsedFactorTypes()) {
+    const PoseRole role = PoseRoleOf(type.name);
+    joins.push_back(role == PoseRole::kBetween || role == PoseRole::kLandmark ||
+                    role == PoseRole::kLandmarkWithOffset || role == PoseRole::kBearingRange);
+  }
   UnionFind pieces(graph.VariableCount());
   for (FactorId id = 0; id < graph.FactorCount(); ++id) {
-    if (!between[graph.FactorTypeIndex(id)]) continue;
+    if (!joins[graph.FactorTypeIndex(id)]) continue;
     const auto ends = graph.FactorAt(id).variables;
     shape.closures += !pieces.Join(ends[0], ends[1]);
   }

@@ -60,9 +60,9 @@ struct InitialiseReport {
 /// A graph without such poses (bundle adjustment) is left untouched, and the summary says so.
 /// `file_has_guess` is what the reader of the file says.
 ///
-/// Automatic, where the between factors close no loop: the file's where it has them, else the
-/// spanning tree.  Where they do: of the file's (if any), chordal and the spanning tree, the one of
-/// the least cost 0.5 sum rho(r' W r).
+/// Automatic, where between and landmark factors close no loop: the file's where it has them, else
+/// the spanning tree.  Where they do: of the file's (if any), chordal and the spanning tree, the
+/// one of the least cost 0.5 sum rho(r' W r).
 ///
 /// Deterministic.  Time in proportion to the graph, but for the sorting of keys and chordal's two
 /// sparse factorisations.
