@@ -12,7 +12,9 @@ namespace graticule {
 class BlockSystem {
  public:
   /// `links`: pairs of different nodes, in any order and any number, whose blocks are not zero.
-  BlockSystem(int block_size, int nodes, const std::vector<std::pair<int, int>>& links);
+  /// `ordered_like`: a system of the same nodes and links, to be eliminated in the same order.
+  BlockSystem(int block_size, int nodes, const std::vector<std::pair<int, int>>& links,
+              const BlockSystem* ordered_like = nullptr);
   ~BlockSystem();
   BlockSystem(const BlockSystem&) = delete;
   BlockSystem& operator=(const BlockSystem&) = delete;

@@ -65,6 +65,7 @@ class Relaxation {
   static constexpr int kRows = kPlanar ? 1 : 3;
   using Matrix = Eigen::Matrix<double, kDim, kDim>;
   using Vector = Eigen::Matrix<double, kDim, 1>;
+  using Scalar = Eigen::Matrix<double, 1, 1>;
   using Turn = Eigen::Matrix<double, kTurn, 1>;
   using Information = Eigen::Matrix<double, kDim + kTurn, kDim + kTurn>;
 
@@ -135,9 +136,9 @@ class Relaxation {
         Edge edge{id, factor.variables[0], factor.variables[1],
                   PoseFrom(factor.measurement.data())};
         edge.kappa = Kappa(factor, information);
-        edge.is_whole =
-            edge.kappa > 0 &&
-            std::isfinite(TraceOfInverse(Matrix(information.template topLeftCorner<kDim, kDim>())));
+        const Matrix w = information.template topLeftCorner<kDim, kDim>();
+        edge.is_whole = edge.kappa > 0 && std::isfinite(TraceOfInverse(w));
+        isotropic_ = isotropic_ && w == Matrix(w(0, 0) * Matrix::Identity());
         edges_.push_back(edge);
       } else if (role == PoseRole::kPrior || role == PoseRole::kPriorWithOffset) {
         priors_.push_back({id, factor.variables[0], 0});
@@ -274,24 +275,51 @@ class Relaxation {
     return turn;
   }
 
+  // The normal equations.  Where every information is a multiple of one (`is_scalar`), the axes do
+  // not mix: one number a node, and a right-hand side an axis.
   struct Translations {
     BlockSystem* system;
+    bool is_scalar;
     std::vector<double> rhs;
+    std::size_t node_stride, axis_stride;
+
+    Translations(BlockSystem* of, bool scalar, std::size_t nodes)
+        : system(of),
+          is_scalar(scalar),
+          rhs(kDim * nodes),
+          node_stride(scalar ? 1 : kDim),
+          axis_stride(scalar ? nodes : 1) {
+      system->Clear();
+    }
 
     // The residual r, of information W, changes by `by` times the move of b less that of a.
     // `coupled`: what W adds to W r from components that no translation changes.
     void Add(int a, int b, std::optional<std::size_t> link, const Matrix& by, const Matrix& w,
              const Vector& residual, const Vector& coupled = Vector::Zero()) {
-      const Matrix square = by.transpose() * w * by;
       const Vector pull = by.transpose() * (w * residual + coupled);
+      const Matrix square = is_scalar ? w : Matrix(by.transpose() * w * by);
       if (b != kHeld) Move(b, square, -pull);
       if (a != kHeld) Move(a, square, pull);
-      if (a != kHeld && b != kHeld) system->AddToLink(*link, Matrix(-square));
+      if (a == kHeld || b == kHeld) return;
+      if (is_scalar)
+        system->AddToLink(*link, Scalar(-square(0, 0)));
+      else
+        system->AddToLink(*link, Matrix(-square));
     }
+
     void Move(int node, const Matrix& square, const Vector& push) {
-      system->AddToNode(node, square);
-      Eigen::Map<Vector>(rhs.data() + kDim * node) += push;
+      if (is_scalar)
+        system->AddToNode(node, Scalar(square(0, 0)));
+      else
+        system->AddToNode(node, square);
+      for (std::size_t i = 0; i < kDim; ++i) At(static_cast<std::size_t>(node), i) += push[i];
     }
+
+    double& At(std::size_t node, std::size_t axis) {
+      return rhs[node * node_stride + axis * axis_stride];
+    }
+
+    bool Solve() { return system->Solve(&rhs, is_scalar ? kDim : 1); }
   };
 
   void AddBetween(const Edge& edge, Translations* to) const {
@@ -409,10 +437,13 @@ class Relaxation {
       if (index_[sight.pose] != kHeld && index_[sight.landmark] != kHeld)
         links.emplace_back(index_[sight.pose], index_[sight.landmark]);
     const std::size_t nodes = poses_.size() + landmarks_.size();
+    const bool is_scalar = isotropic_ && priors_.empty() && others_.empty();
     std::optional<BlockSystem> own;
-    if (!landmarks_.empty()) own.emplace(kDim, static_cast<int>(nodes), links);
-    Translations sum{own ? &*own : rotations, std::vector<double>(kDim * nodes)};
-    sum.system->Clear();
+    if (is_scalar)
+      own.emplace(1, static_cast<int>(nodes), links, rotations);
+    else if (!landmarks_.empty())
+      own.emplace(kDim, static_cast<int>(nodes), links);
+    Translations sum(own ? &*own : rotations, is_scalar, nodes);
 
     for (const Edge& edge : edges_) AddBetween(edge, &sum);
     for (const Prior& prior : priors_) AddPrior(prior, &sum);
@@ -424,9 +455,11 @@ class Relaxation {
     for (const FactorId id : others_)
       if (RoleOf(id) == PoseRole::kPosition || RoleOf(id) == PoseRole::kPriorPoint)
         AddPlace(id, &sum);
-    if (!sum.system->Solve(&sum.rhs, 1)) return false;
+    if (!sum.Solve()) return false;
     const auto move = [&](std::size_t node) {
-      return Eigen::Map<const Vector>(sum.rhs.data() + kDim * node);
+      Vector by;
+      for (std::size_t i = 0; i < kDim; ++i) by[i] = sum.At(node, i);
+      return by;
     };
     for (std::size_t i = 0; i < poses_.size(); ++i)
       Eigen::Map<Vector>(values_->Mutable(poses_[i])) += move(i);
@@ -450,6 +483,7 @@ class Relaxation {
   std::vector<VariableId> poses_, landmarks_;  // by node, one after the other
   std::vector<std::pair<int, int>> links_;     // of free poses
   std::vector<std::pair<VariableId, Vector>> placed_landmarks_;
+  bool isotropic_ = true;              // of the between factors, in translation
   std::size_t solved_ = 0, kept_ = 0;  // pieces
 };
 
