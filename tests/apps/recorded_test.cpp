@@ -15,7 +15,7 @@ struct Problem {
   const char* file;
   const char* ending;  // of its own format
   double best_known;   // 0.5 r'Wr
-  bool reached;        // from the file's own guess
+  bool reached;
   const char* setting;
 };
 
@@ -41,9 +41,8 @@ const Problem kProblems[] = {
     {"gtsam_dubrovnik-3-7-pre.txt", ".txt", 0, true, ""},
     // Not in the manifest: measured here, the same with every configuration.
     {"gtsam_w100.graph", ".graph", 0.568912592, true, ""},
-    // Poor guesses: a hundred iterations end far above, a few show as much.
-    {"MIT.g2o", ".g2o", 20.5816344, false, "max_iterations=100"},
-    {"torus3D.g2o.gz", ".g2o", 7287.37323, false, "max_iterations=5"},
+    {"MIT.g2o", ".g2o", 20.5816344, true, ""},
+    {"torus3D.g2o.gz", ".g2o", 7287.37323, true, ""},
     // Not settled: long odometry, landmarks, and false matches among them.
     {"victoria_park.g2o", ".g2o", 0, false, "max_iterations=10"},
 };
@@ -103,22 +102,20 @@ class G2oRotations : public RecordedTest {};
 // The manifest's third column lies up to 9.3e-5 above what is reached here (sphere2500 675.681164,
 // torus3D 12116.5093; computed again outside this program from the written file).
 TEST_F(G2oRotations, EachReachTheBestKnownCostOfTheirReading) {
-  // torus3D only from a spanning tree: the file's own guess leads elsewhere in every reading.
   const struct {
     const char* file;
     double half, twice, full;
-    const char* setting;
   } files[] = {
-      {"parking-garage.g2o", 0.61934529, 0.634192192, 0.6341924, "initialise=automatic"},
-      {"sphere2500.g2o", 363.574834, 675.607873, 675.700963, "initialise=automatic"},
-      {"torus3D.g2o.gz", 7287.37323, 12113.5228, 12117.6369, "initialise=spanning_tree"},
+      {"parking-garage.g2o", 0.61934529, 0.634192192, 0.6341924},
+      {"sphere2500.g2o", 363.574834, 675.607873, 675.700963},
+      {"torus3D.g2o.gz", 7287.37323, 12113.5228, 12117.6369},
   };
   for (const auto& file : files) {
     const std::pair<const char*, double> readings[] = {
         {"half", file.half}, {"double", file.twice}, {"full", file.full}};
     for (const auto& [rotation, best_known] : readings) {
-      const Outcome solved = RunCommand({"solve", Recorded(file.file), "--g2o-rotation", rotation,
-                                         "--set", file.setting, "--json"});
+      const Outcome solved =
+          RunCommand({"solve", Recorded(file.file), "--g2o-rotation", rotation, "--json"});
       EXPECT_EQ(solved.exit_code, 0) << file.file << " " << rotation;
       const double cost = JsonOf(solved).value("final_cost", 0.0);
       EXPECT_LE(cost, best_known * (1 + 1e-6)) << file.file << " " << rotation;
@@ -140,15 +137,62 @@ TEST_F(G2oRotations, AreKeptInWhatIsWritten) {
   }
 }
 
-class SpanningTree : public RecordedTest {};
+class Start : public RecordedTest {};
 
-TEST_F(SpanningTree, LeadsToTheBestKnownCostWhereTheFilesGuessDoesNot) {
-  for (const auto& [file, best_known] :
-       {std::pair{"MIT.g2o", 20.5816344}, std::pair{"torus3D.g2o.gz", 7287.37323}}) {
+TEST_F(Start, OfTheFileLeadsElsewhereWhereItIsPoor) {
+  // A hundred iterations end far above, a few show as much.
+  const std::pair<const char*, double> files[] = {{"MIT.g2o", 20.5816344},
+                                                  {"torus3D.g2o.gz", 7287.37323}};
+  for (const auto& [file, best_known] : files) {
+    const Outcome solved = RunCommand({"solve", Recorded(file), "--set", "initialise=file", "--set",
+                                       "max_iterations=10", "--json"});
+    EXPECT_EQ(solved.exit_code, 4) << file;
+    EXPECT_EQ(JsonOf(solved)["termination"], "no_convergence") << file;
+    EXPECT_GT(JsonOf(solved).value("final_cost", 0.0), 1.5 * best_known) << file;
+  }
+}
+
+// The poses that no tree reaches well: sphere_bignoise ends at 428119 from one.
+TEST_F(Start, ChordalLeadsToTheBestKnownCostEverywhere) {
+  for (const Problem& problem : kProblems) {
+    const std::string file = problem.file;
+    if (!problem.reached || problem.best_known == 0 || file.find(".txt") != std::string::npos)
+      continue;
     const Outcome solved =
-        RunCommand({"solve", Recorded(file), "--set", "initialise=spanning_tree", "--json"});
+        RunCommand({"solve", Recorded(file), "--set", "initialise=chordal", "--json"});
     EXPECT_EQ(solved.exit_code, 0) << file;
-    EXPECT_NEAR(JsonOf(solved).value("final_cost", 0.0), best_known, 1e-6 * best_known) << file;
+    const auto report = JsonOf(solved);
+    EXPECT_NEAR(report.value("final_cost", 0.0), problem.best_known, 1e-4 * problem.best_known)
+        << file;
+    // Measured: at most 11 (parking-garage, whose cost the start is within 15 % of).
+    EXPECT_LE(report.value("iterations", 100), 12) << file;
+    EXPECT_EQ(report.value("initialisation", "").rfind("chordal: ", 0), 0u) << file;
+  }
+}
+
+TEST_F(Start, SpanningTreesLeadThereMostly) {
+  for (const char* tree : {"spanning_tree", "minimum_spanning_tree"}) {
+    const std::pair<const char*, double> files[] = {{"MIT.g2o", 20.5816344},
+                                                    {"torus3D.g2o.gz", 7287.37323}};
+    for (const auto& [file, best_known] : files) {
+      const Outcome solved = RunCommand(
+          {"solve", Recorded(file), "--set", std::string("initialise=") + tree, "--json"});
+      EXPECT_EQ(solved.exit_code, 0) << file << " " << tree;
+      EXPECT_NEAR(JsonOf(solved).value("final_cost", 0.0), best_known, 1e-6 * best_known)
+          << file << " " << tree;
+    }
+  }
+}
+
+TEST_F(Start, OfASolvedFileIsKept) {
+  for (const char* file : {"intel.g2o", "parking-garage.g2o", "smallGrid3D.g2o"}) {
+    const auto first =
+        JsonOf(RunCommand({"solve", Recorded(file), "-o", Path("solved.g2o"), "--json"}));
+    const auto again = JsonOf(RunCommand({"solve", Path("solved.g2o"), "--json"}));
+    EXPECT_EQ(again.value("initialisation", "").rfind("file: ", 0), 0u) << file;
+    EXPECT_NEAR(again.value("final_cost", 0.0), first.value("final_cost", 1.0),
+                1e-6 * first.value("final_cost", 1.0))
+        << file;
   }
 }
 
