@@ -160,15 +160,15 @@ std::string ToString(InitialGuess guess) {
 }
 
 const std::vector<OptionRow<InitialiseOptions>>& InitialiseOptionTable() {
-  static const std::vector<OptionRow<InitialiseOptions>> table = {
-      ChoiceOption("initialise", &InitialiseOptions::initialise, kNames,
-                   "where a pose graph's initial values come from")};
+  static const std::vector<OptionRow<InitialiseOptions>> table = {ChoiceOption(
+      "initialise", &InitialiseOptions::initialise, kNames,
+      "where a pose graph's initial values come from; automatic: the best of several, by cost")};
   return table;
 }
 
 InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess) {
   InitialiseReport report;
-  const Shape shape = ShapeOf(*graph);
+  const Shape shape = how == InitialGuess::kFile ? Shape{} : ShapeOf(*graph);
   const bool choose = how == InitialGuess::kAutomatic && shape.closures > 0;
   if (how == InitialGuess::kAutomatic && !choose)
     how = file_has_guess ? InitialGuess::kFile : InitialGuess::kSpanningTree;

@@ -41,7 +41,7 @@ EDGE_BEARING_SE2_XY 0 5 0.6 100
 )";
 
 TEST_F(Solve, SaysInJsonWhatProgramsNeed) {
-  const Outcome outcome = RunCommand({"solve", Square(), "--json"});
+  const Outcome outcome = RunCommand({"solve", Square(), "--json", "--set", "initialise=file"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.err, "");
   const Json report = JsonOf(outcome);  // and nothing else is on stdout
@@ -97,7 +97,7 @@ TEST_F(Solve, ShowsProgressOnATerminalUnlessItIsToBeQuiet) {
   const std::string square = Square();
   RunOptions terminal;
   terminal.terminal_stdout = terminal.terminal_stderr = true;
-  const Outcome loud = RunCommand({"solve", square}, terminal);
+  const Outcome loud = RunCommand({"solve", square, "--set", "initialise=file"}, terminal);
   EXPECT_NE(loud.err.find("iteration 1, objective"), std::string::npos) << loud.err;
   // The line is gone at the end.
   EXPECT_EQ(loud.err.substr(loud.err.size() - 4), "\r\x1b[K");
@@ -126,12 +126,13 @@ TEST_F(Solve, IsQuietAboutAllButErrors) {
 }
 
 TEST_F(Solve, WritesTheResultOfTooFewIterations) {
-  const Outcome outcome =
-      RunCommand({"solve", Square(), "--set", "max_iterations=1", "-o", Path("out.fg"), "--json"});
+  const Outcome outcome = RunCommand({"solve", Square(), "--set", "initialise=file", "--set",
+                                      "max_iterations=1", "-o", Path("out.fg"), "--json"});
   EXPECT_EQ(outcome.exit_code, 4);
   const Json report = JsonOf(outcome);
   EXPECT_EQ(report["termination"], "no_convergence");
-  const Json again = JsonOf(RunCommand({"solve", Path("out.fg"), "--json"}));
+  const Json again =
+      JsonOf(RunCommand({"solve", Path("out.fg"), "--set", "initialise=file", "--json"}));
   EXPECT_EQ(again["initial_cost"], report["final_cost"]);
 }
 

@@ -264,8 +264,8 @@ TEST_F(Simulate, WritesATruthThatTheOptimumComesNearTo) {
     words.insert(words.end(), {"-o", Path("a.fg"), "--truth", Path("truth.fg")});
     ASSERT_EQ(RunCommand(words).exit_code, 0);
     const Json solved = JsonOf(RunCommand({"solve", Path("a.fg"), "--json"}));
-    const Json truth =
-        JsonOf(RunCommand({"solve", Path("truth.fg"), "--json", "--set", "max_iterations=0"}));
+    const Json truth = JsonOf(RunCommand({"solve", Path("truth.fg"), "--json", "--set",
+                                          "max_iterations=0", "--set", "initialise=file"}));
     const double at_truth = truth["initial_cost"], at_optimum = solved["final_cost"];
     EXPECT_LT(at_optimum, at_truth) << kind[0];
     // Half a chi2 of as many degrees of freedom as there are residuals: within 5 sigma.

@@ -199,5 +199,21 @@ TEST(FactorChi2, RefusesValuesOfAnotherGraph) {
   EXPECT_NO_THROW(FactorChi2(graph, twin.InitialValues())) << "the same keys in the same order";
 }
 
+TEST(Objectives, AreWhatSolveMinimisesAtEachOfTheValues) {
+  Graph graph = Se2Loop(20, 0.1, 0.3);
+  graph.SetLosses(MakeLoss("huber", 0.5));
+  const Solution solution = Solve(graph);
+  const Values before = graph.InitialValues();
+  const std::vector<double> objectives = Objectives(graph, {&before, &solution.values, &before});
+  ASSERT_EQ(objectives.size(), 3u);
+  const Report& report = solution.report;
+  EXPECT_NEAR(objectives[0], report.initial_objective, 1e-12 * objectives[0]);
+  EXPECT_NEAR(objectives[1], report.final_objective, 1e-12 * objectives[1]);
+  EXPECT_EQ(objectives[2], objectives[0]);
+  EXPECT_LT(report.initial_objective, report.initial_cost);  // the loss counts
+  const Values other = Se2Loop(4, 0.1, 0.1).InitialValues();
+  ExpectError(ErrorKind::kUsage, {"values"}, [&] { Objectives(graph, {&before, &other}); });
+}
+
 }  // namespace
 }  // namespace graticule
