@@ -124,10 +124,12 @@ int Run(const SolveCommand& command, const Console& console) {
   const std::vector<Key> marginal_keys = ReadKeys(command.marginals, graph);
   const auto trajectories = TrajectoryFiles(command.trajectory, graph);
 
+  const bool has_guess = recording.has_initial_guess;
+  const Values as_read = graph.InitialValues();
   const InitialiseReport start =
       Initialise(&graph, configuration.initialise.initialise, recording.has_initial_guess);
   const PhaseTime initialise = clock.Lap();
-  const Values before = graph.InitialValues();
+  const Values before = has_guess ? as_read : graph.InitialValues();
 
   // From here on Ctrl-C ends the solve, and does not cut a file that is being written.
   const Interruptible interruptible;
@@ -171,8 +173,11 @@ int Run(const SolveCommand& command, const Console& console) {
       WriteFile(path, FormatTum(Trajectory(graph, solution.values, family)));
     });
   std::string drawing;
-  if (!command.plot.empty() || Ending(command.report) == ".html")
-    drawing = DrawGraph(PlotOf(graph, before, solution.values, command.file));
+  if (!command.plot.empty() || Ending(command.report) == ".html") {
+    GraphPlot plot = PlotOf(graph, before, solution.values, command.file);
+    plot.before_label = has_guess ? "Before: as in the file" : "Before: " + ToString(start.used);
+    drawing = DrawGraph(plot);
+  }
   outputs.Try(command.plot, [&] {
     WriteFile(command.plot, Ending(command.plot) == ".svg" ? drawing : PngFromSvg(drawing, 1600));
   });
