@@ -1,28 +1,13 @@
 #include <algorithm>
-#include <numeric>
 
 #include "graticule/solver/diagnose.hpp"
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/union_find.hpp"
 
 namespace graticule {
 namespace {
 
 constexpr std::uint32_t kNoPiece = 0xffffffffu;
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), VariableId{0});
-  }
-  VariableId Root(VariableId i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Join(VariableId a, VariableId b) { parent_[Root(a)] = Root(b); }
-
- private:
-  std::vector<VariableId> parent_;
-};
 
 }  // namespace
 

@@ -10,9 +10,9 @@
 #include "graticule/problems/pose_graph/landmarks.hpp"
 #include "graticule/problems/pose_graph/pose_role.hpp"
 #include "graticule/problems/pose_graph/spanning_tree.hpp"
-#include "graticule/problems/pose_graph/union_find.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/solve.hpp"
+#include "graticule/solver/union_find.hpp"
 
 namespace graticule {
 namespace {

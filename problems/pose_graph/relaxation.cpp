@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "graticule/problems/pose_graph/nearest_rotation.hpp"
-#include "graticule/problems/pose_graph/union_find.hpp"
+#include "graticule/solver/union_find.hpp"
 
 namespace graticule {
 
