@@ -209,7 +209,8 @@ struct CeresBridge::Machine {
 };
 
 CeresBridge::CeresBridge(const Evaluation& evaluation, const SolveOptions& options,
-                         const std::vector<VariableId>& held, std::vector<double>* data)
+                         const std::optional<Loss>& replaced, const std::vector<VariableId>& held,
+                         std::vector<double>* data)
     : machine_(std::make_unique<Machine>(evaluation)) {
   Machine& m = *machine_;
   const Graph& graph = evaluation.TheGraph();
@@ -253,9 +254,9 @@ CeresBridge::CeresBridge(const Evaluation& evaluation, const SolveOptions& optio
     for (const VariableId variable : factor.variables)
       blocks.push_back(data->data() + graph.Offset(variable));
     ceres::LossFunction* loss = nullptr;
-    if (factor.loss.kind != LossKind::kNone) {
-      auto& slot = m.losses[{factor.loss.kind, factor.loss.scale}];
-      if (!slot) slot = std::make_unique<BridgeLoss>(factor.loss);
+    if (const Loss wanted = replaced.value_or(factor.loss); wanted.kind != LossKind::kNone) {
+      auto& slot = m.losses[{wanted.kind, wanted.scale}];
+      if (!slot) slot = std::make_unique<BridgeLoss>(wanted);
       loss = slot.get();
     }
     m.problem->AddResidualBlock(&m.costs[id], loss, blocks);

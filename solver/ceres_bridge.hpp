@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,11 @@ namespace graticule {
 class CeresBridge {
  public:
   /// `data` is laid out as the graph's values, and holds the result after Run.  Blocks in `held`
-  /// stay as they are. Throws Error (kUsage) where options do not go together.
+  /// stay as they are. `replaced` stands in for every factor's loss.
+  /// Throws Error (kUsage) where options do not go together.
   CeresBridge(const Evaluation& evaluation, const SolveOptions& options,
-              const std::vector<VariableId>& held, std::vector<double>* data);
+              const std::optional<Loss>& replaced, const std::vector<VariableId>& held,
+              std::vector<double>* data);
   ~CeresBridge();
 
   /// Fills termination, message, iterations, objectives, linear_solver, parameters and the inner

@@ -50,7 +50,8 @@ void AddCosts(const Graph& graph, const std::vector<double>& initial,
   }
 }
 
-void AddWorst(const Graph& graph, const std::vector<double>& chi2, Report* report) {
+void AddWorst(const Graph& graph, const std::vector<double>& chi2,
+              const std::optional<Loss>& replaced, Report* report) {
   std::vector<FactorId> order(chi2.size());
   for (FactorId id = 0; id < order.size(); ++id) order[id] = id;
   const auto worse = [&](FactorId a, FactorId b) {
@@ -71,7 +72,7 @@ void AddWorst(const Graph& graph, const std::vector<double>& chi2, Report* repor
     worst.chi2 = chi2[order[i]];
     worst.residuals = graph.ResidualSize(order[i]);
     double rho[3];
-    EvaluateLoss(factor.loss, worst.chi2, rho);
+    EvaluateLoss(replaced.value_or(factor.loss), worst.chi2, rho);
     worst.weight = rho[1];
     report->worst.push_back(std::move(worst));
   }
@@ -89,20 +90,15 @@ void WarnOfStarved(const Graph& graph, const Structure& structure, Report* repor
 
 }  // namespace
 
-Solution Solve(const Graph& question, const SolveOptions& options, const Observer& watch) {
+Solution Solve(const Graph& graph, const SolveOptions& options, const Observer& watch) {
   const NumericGuard guard;
   const Stopwatch total;
   Stopwatch clock;
   Solution solution;
   Report& report = solution.report;
 
-  std::optional<Graph> with_losses;
-  if (!options.loss.empty()) {
-    with_losses.emplace(question);
-    with_losses->SetLosses(MakeLoss(options.loss, options.loss_scale));
-  }
-  const Graph& graph = with_losses ? *with_losses : question;
-
+  std::optional<Loss> replaced;
+  if (!options.loss.empty()) replaced = MakeLoss(options.loss, options.loss_scale);
   const Structure structure = AnalyseStructure(graph);
   const Evaluation evaluation(graph);
   std::vector<VariableId> held;
@@ -111,8 +107,8 @@ Solution Solve(const Graph& question, const SolveOptions& options, const Observe
   for (const VariableId id : held) report.anchors.push_back(graph.KeyOf(id).ToString());
   WarnOfStarved(graph, structure, &report);
 
-  solution.values = question.InitialValues();
-  CeresBridge bridge(evaluation, options, held, &solution.values.MutableData());
+  solution.values = graph.InitialValues();
+  CeresBridge bridge(evaluation, options, replaced, held, &solution.values.MutableData());
   report.timing.build = clock.Lap();
 
   const std::vector<double> initial = AllChi2(evaluation, solution.values.Data().data());
@@ -121,7 +117,7 @@ Solution Solve(const Graph& question, const SolveOptions& options, const Observe
     report.message = evaluation.FirstFailure();
   const std::vector<double> final = AllChi2(evaluation, solution.values.Data().data());
   AddCosts(graph, initial, final, &report);
-  AddWorst(graph, final, &report);
+  AddWorst(graph, final, replaced, &report);
   report.variables = graph.VariableCount();
   report.factors = graph.FactorCount();
   for (VariableId id = 0; id < graph.VariableCount(); ++id)
