@@ -17,18 +17,6 @@ using Matrix = Eigen::MatrixXd;
 constexpr double kFreeNorm = 1e-8;  // see Diagnose
 constexpr int kMaxDirections = 48;  // looked for; beyond that "at least"
 
-// Columns of J (rows of its transpose) brought to unit length; those without entries stay zero.
-void ScaleRows(SparseColumns* transposed) {
-  std::vector<double> squared(static_cast<std::size_t>(transposed->rows), 0.0);
-  for (std::size_t k = 0; k < transposed->row.size(); ++k)
-    squared[static_cast<std::size_t>(transposed->row[k])] +=
-        transposed->value[k] * transposed->value[k];
-  for (std::size_t k = 0; k < transposed->row.size(); ++k) {
-    const double norm2 = squared[static_cast<std::size_t>(transposed->row[k])];
-    if (norm2 > 0) transposed->value[k] /= std::sqrt(norm2);
-  }
-}
-
 // J v for each column of v.
 Matrix Multiply(const SparseColumns& transposed, const Matrix& v) {
   Matrix product = Matrix::Zero(transposed.Columns(), v.cols());
@@ -73,13 +61,8 @@ Matrix FreeDirections(const SparseColumns& transposed, int wanted) {
   }
   Matrix v = Orthonormal(Start(transposed.rows, wanted));
   for (int pass = 0; pass < 4 && factorised; ++pass) {
-    cholmod_dense rhs{};
-    rhs.nrow = rhs.d = static_cast<std::size_t>(v.rows());
-    rhs.ncol = static_cast<std::size_t>(v.cols());
-    rhs.nzmax = rhs.nrow * rhs.ncol;
-    rhs.x = v.data();
-    rhs.xtype = CHOLMOD_REAL;
-    rhs.dtype = CHOLMOD_DOUBLE;
+    cholmod_dense rhs =
+        DenseView(v.data(), static_cast<std::size_t>(v.rows()), static_cast<std::size_t>(v.cols()));
     cholmod_dense* solved = cholmod_solve(CHOLMOD_A, factor, &rhs, cholmod());
     if (!solved) break;
     v = Eigen::Map<Matrix>(static_cast<double*>(solved->x), v.rows(), v.cols());
@@ -137,7 +120,7 @@ Diagnosis Diagnose(const Graph& graph, const Values& values,
   Diagnosis diagnosis;
   if (index.size == 0) return diagnosis;
   SparseColumns transposed = TransposedJacobian(evaluation, values.Data().data(), index);
-  ScaleRows(&transposed);
+  transposed.ScaleRows();
 
   int wanted = std::min(index.size, 6);
   Matrix free = FreeDirections(transposed, wanted);

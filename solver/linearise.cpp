@@ -46,6 +46,26 @@ cholmod_sparse SparseColumns::View() const {
   return view;
 }
 
+std::vector<double> SparseColumns::ScaleRows() {
+  std::vector<double> scale(static_cast<std::size_t>(rows), 0.0);
+  for (std::size_t k = 0; k < row.size(); ++k)
+    scale[static_cast<std::size_t>(row[k])] += value[k] * value[k];
+  for (double& s : scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
+  for (std::size_t k = 0; k < row.size(); ++k) value[k] *= scale[static_cast<std::size_t>(row[k])];
+  return scale;
+}
+
+cholmod_dense DenseView(double* values, std::size_t rows, std::size_t columns) {
+  cholmod_dense view{};
+  view.nrow = view.d = rows;
+  view.ncol = columns;
+  view.nzmax = rows * columns;
+  view.x = values;
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  return view;
+}
+
 SparseColumns TransposedJacobian(const Evaluation& evaluation, const double* data,
                                  const TangentIndex& index) {
   const Graph& graph = evaluation.TheGraph();

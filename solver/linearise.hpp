@@ -43,7 +43,13 @@ struct SparseColumns {
   int Columns() const { return static_cast<int>(column_begin.size()) - 1; }
   /// A view for CHOLMOD; unsymmetric.
   cholmod_sparse View() const;
+  /// Brings every row that is not zero to unit length.  Returns what each was multiplied by; 1 for
+  /// rows that are zero.
+  std::vector<double> ScaleRows();
 };
+
+/// A view for CHOLMOD of rows x columns numbers, by columns.
+cholmod_dense DenseView(double* values, std::size_t rows, std::size_t columns);
 
 /// The transposed whitened Jacobian at `data` (laid out as the graph's values): a column a
 /// residual, each factor scaled by the root of its loss' weight rho'.  Throws Error (kOther) where

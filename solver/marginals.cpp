@@ -21,15 +21,8 @@ constexpr std::size_t kManyColumns = 128;
 // Owns a factor of the column-scaled normal matrix.
 class ScaledFactor {
  public:
-  ScaledFactor(SparseColumns transposed, bool supernodal)
-      : scale_(static_cast<std::size_t>(transposed.rows), 0.0) {
+  ScaledFactor(SparseColumns transposed, bool supernodal) : scale_(transposed.ScaleRows()) {
     if (supernodal) cholmod_()->supernodal = CHOLMOD_SUPERNODAL;
-    for (std::size_t k = 0; k < transposed.row.size(); ++k)
-      scale_[static_cast<std::size_t>(transposed.row[k])] +=
-          transposed.value[k] * transposed.value[k];
-    for (double& s : scale_) s = s > 0 ? 1 / std::sqrt(s) : 1;
-    for (std::size_t k = 0; k < transposed.row.size(); ++k)
-      transposed.value[k] *= scale_[static_cast<std::size_t>(transposed.row[k])];
     cholmod_sparse view = transposed.View();
     factor_ = cholmod_analyze(&view, cholmod_());
     is_positive_ = factor_ && cholmod_factorize(&view, factor_, cholmod_()) &&
@@ -54,13 +47,7 @@ class ScaledFactor {
       const auto row = static_cast<std::size_t>(columns[c]);
       rhs[c * scale_.size() + row] = scale_[row];
     }
-    cholmod_dense b{};
-    b.nrow = b.d = scale_.size();
-    b.ncol = columns.size();
-    b.nzmax = rhs.size();
-    b.x = rhs.data();
-    b.xtype = CHOLMOD_REAL;
-    b.dtype = CHOLMOD_DOUBLE;
+    cholmod_dense b = DenseView(rhs.data(), scale_.size(), columns.size());
     cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor_, &b, cholmod_());
     if (!x) throw Error("CHOLMOD ran out of memory", ErrorKind::kOther);
     const double* values = static_cast<const double*>(x->x);
