@@ -99,17 +99,13 @@ void ReadQuaternion(TextReader* reader, const char* const what[4], double* q) {
 }
 
 void NamePoseSources(Graph* graph) {
-  const auto is_pose = [&](VariableId id) {
-    const std::string& type = graph->TypeOf(id).name;
-    return type == "se2/1" || type == "se3/1";
-  };
   // Ranks of poses in key order; a family begins two further on, so that none follows another's.
   constexpr std::uint32_t kNoPose = 0xffffffffu;
   std::vector<std::uint32_t> rank(graph->VariableCount(), kNoPose);
   std::uint32_t next = 0;
   std::string_view family;
   for (const VariableId id : graph->KeyOrder()) {
-    if (!is_pose(id)) continue;
+    if (!IsPose(graph->TypeOf(id))) continue;
     if (graph->KeyOf(id).Family() != family) {
       family = graph->KeyOf(id).Family();
       ++next;

@@ -13,8 +13,6 @@ namespace {
 
 constexpr const char* kFields[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 
-bool IsPose(const VariableType& type) { return type.name == "se2/1" || type.name == "se3/1"; }
-
 StampedPose MakePose(double stamp_s, Span<const double> value) {
   StampedPose pose;
   pose.stamp_s = stamp_s;

@@ -40,6 +40,11 @@ struct VariableType {
   bool Normalise(double* x) const;
 };
 
+/// True for se2/1 and se3/1.
+inline bool IsPose(const VariableType& type) {
+  return type.name == "se2/1" || type.name == "se3/1";
+}
+
 /// A type from a C table, checked: sizes, names, schema, null functions.  Throws Error
 /// (kMissingType).
 VariableType MakeVariableType(const graticule_variable_type_v1& table, std::string origin);

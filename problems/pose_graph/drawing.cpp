@@ -15,7 +15,6 @@ struct Axes {
   const char* text = "";
 };
 
-bool IsPose(const VariableType& type) { return type.name == "se2/1" || type.name == "se3/1"; }
 bool IsPoint(const VariableType& type) {
   return type.name == "point2/1" || type.name == "point3/1";
 }

@@ -33,8 +33,7 @@ struct Shape {
 
 Shape ShapeOf(const Graph& graph) {
   Shape shape;
-  for (const VariableType& type : graph.UsedVariableTypes())
-    shape.has_poses |= type.name == "se2/1" || type.name == "se3/1";
+  for (const VariableType& type : graph.UsedVariableTypes()) shape.has_poses |= IsPose(type);
   if (!shape.has_poses) return shape;
   std::vector<bool> joins;
   for (const FactorType& type : graph.UsedFactorTypes()) {

@@ -21,9 +21,8 @@ class Walk {
         order_(graph.KeyOrder()),
         placed_(graph.VariableCount()),
         depth_(graph.VariableCount()) {
-    const auto& variable_types = graph.UsedVariableTypes();
-    for (const VariableType& type : variable_types)
-      pose_type_.push_back(type.name == "se2/1" || type.name == "se3/1");
+    for (const VariableType& type : graph.UsedVariableTypes())
+      pose_type_.push_back(graticule::IsPose(type));
     for (const FactorType& type : graph.UsedFactorTypes()) roles_.push_back(PoseRoleOf(type.name));
     CollectEdges();
     if (growth == Growth::kAlongChains) CollectChains();
