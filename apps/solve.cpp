@@ -125,11 +125,12 @@ int Run(const SolveCommand& command, const Console& console) {
   const auto trajectories = TrajectoryFiles(command.trajectory, graph);
 
   const bool has_guess = recording.has_initial_guess;
-  const Values as_read = graph.InitialValues();
-  const InitialiseReport start =
-      Initialise(&graph, configuration.initialise.initialise, recording.has_initial_guess);
+  const bool draws = !command.plot.empty() || Ending(command.report) == ".html";
+  Values before;
+  if (draws && has_guess) before = graph.InitialValues();
+  const InitialiseReport start = Initialise(&graph, configuration.initialise.initialise, has_guess);
   const PhaseTime initialise = clock.Lap();
-  const Values before = has_guess ? as_read : graph.InitialValues();
+  if (draws && !has_guess) before = graph.InitialValues();
 
   // From here on Ctrl-C ends the solve, and does not cut a file that is being written.
   const Interruptible interruptible;
@@ -173,7 +174,7 @@ int Run(const SolveCommand& command, const Console& console) {
       WriteFile(path, FormatTum(Trajectory(graph, solution.values, family)));
     });
   std::string drawing;
-  if (!command.plot.empty() || Ending(command.report) == ".html") {
+  if (draws) {
     GraphPlot plot = PlotOf(graph, before, solution.values, command.file);
     plot.before_label = has_guess ? "Before: as in the file" : "Before: " + ToString(start.used);
     drawing = DrawGraph(plot);
