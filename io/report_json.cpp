@@ -54,6 +54,7 @@ Json History(const Report& report) {
   for (const Iteration& step : report.iterations)
     history.push_back({{"number", step.number},
                        {"accepted", step.accepted},
+                       {"reused_factor", step.reused_factor},
                        {"objective", step.objective},
                        {"objective_change", step.objective_change},
                        {"gradient_max_norm", step.gradient_max_norm},

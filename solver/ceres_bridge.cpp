@@ -55,13 +55,15 @@ class BridgeLoss final : public ceres::LossFunction {
 // Has the factors evaluated by several threads before Ceres asks for them.
 class EvaluateBeforehand final : public ceres::EvaluationCallback {
  public:
-  explicit EvaluateBeforehand(ParallelEvaluation* evaluation) : evaluation_(evaluation) {}
+  EvaluateBeforehand(ParallelEvaluation* evaluation, const double* data)
+      : evaluation_(evaluation), data_(data) {}
   void PrepareForEvaluation(bool with_jacobians, bool) override {
-    evaluation_->Prepare(with_jacobians);
+    evaluation_->Prepare(data_, with_jacobians);
   }
 
  private:
   ParallelEvaluation* evaluation_;
+  const double* data_;
 };
 
 class BridgeCost final : public ceres::CostFunction {
@@ -148,6 +150,8 @@ bool IsSchur(ceres::LinearSolverType type) {
 struct Elimination {
   int type = -1;                         // index into the graph's types; -1: none
   std::size_t eliminated = 0, kept = 0;  // tangent sizes
+
+  bool Pays() const { return type >= 0 && eliminated >= 4 * kept; }
 };
 
 Elimination FindElimination(const Graph& graph, const std::vector<char>& is_held) {
@@ -208,15 +212,20 @@ struct CeresBridge::Machine {
   explicit Machine(const Evaluation& e) : evaluation(e), costs(e.FactorCount()) {}
 };
 
+bool CeresBridge::EliminationPays(const Graph& graph, const std::vector<char>& is_held) {
+  return FindElimination(graph, is_held).Pays();
+}
+
 CeresBridge::CeresBridge(const Evaluation& evaluation, const SolveOptions& options,
-                         const std::optional<Loss>& replaced, const std::vector<VariableId>& held,
+                         const std::optional<Loss>& replaced, const std::vector<char>& is_held,
                          std::vector<double>* data)
     : machine_(std::make_unique<Machine>(evaluation)) {
   Machine& m = *machine_;
   const Graph& graph = evaluation.TheGraph();
   if (options.threads > 1) {
-    m.parallel = std::make_unique<ParallelEvaluation>(evaluation, data->data(), options.threads);
-    m.beforehand = std::make_unique<EvaluateBeforehand>(m.parallel.get());
+    m.parallel = std::make_unique<ParallelEvaluation>(
+        evaluation, ParallelEvaluation::Stride::kStored, options.threads);
+    m.beforehand = std::make_unique<EvaluateBeforehand>(m.parallel.get(), data->data());
   }
 
   ceres::Problem::Options problem_options;
@@ -229,10 +238,6 @@ CeresBridge::CeresBridge(const Evaluation& evaluation, const SolveOptions& optio
 
   for (const VariableType& type : graph.UsedVariableTypes())
     m.manifolds.push_back(type.manifold ? std::make_unique<TangentManifold>(type) : nullptr);
-  std::vector<char> is_held(graph.VariableCount(), 0);
-  for (const VariableId id : held) is_held[id] = 1;
-  for (VariableId id = 0; id < graph.VariableCount(); ++id)
-    if (graph.IsFixed(id)) is_held[id] = 1;
 
   // In key order, so that the result does not depend on the order in which a graph was put
   // together.
@@ -299,8 +304,7 @@ CeresBridge::CeresBridge(const Evaluation& evaluation, const SolveOptions& optio
   const Elimination elimination = FindElimination(graph, is_held);
   // Points seen by few cameras: elimination pays when it removes most of the unknowns, and what is
   // left is small enough for a dense matrix up to about fifty cameras.
-  if (options.linear_solver == LinearSolver::kAutomatic && !dogleg && elimination.type >= 0 &&
-      elimination.eliminated >= 4 * elimination.kept)
+  if (options.linear_solver == LinearSolver::kAutomatic && !dogleg && elimination.Pays())
     o.linear_solver_type = elimination.kept <= 500 ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
   if (IsSchur(o.linear_solver_type) && elimination.type >= 0) {
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();

@@ -21,11 +21,15 @@ namespace graticule {
 /// With options.threads > 1 the factors are evaluated beforehand, each thread a fixed share.
 class CeresBridge {
  public:
-  /// `data` is laid out as the graph's values, and holds the result after Run.  Blocks in `held`
-  /// stay as they are. `replaced` stands in for every factor's loss.
+  /// Whether eliminating variables of one type (points that cameras see) pays: it removes most of
+  /// the unknowns.
+  static bool EliminationPays(const Graph& graph, const std::vector<char>& is_held);
+
+  /// `data` is laid out as the graph's values, and holds the result after Run.  Variables in
+  /// `is_held` (by VariableId) stay as they are. `replaced` stands in for every factor's loss.
   /// Throws Error (kUsage) where options do not go together.
   CeresBridge(const Evaluation& evaluation, const SolveOptions& options,
-              const std::optional<Loss>& replaced, const std::vector<VariableId>& held,
+              const std::optional<Loss>& replaced, const std::vector<char>& is_held,
               std::vector<double>* data);
   ~CeresBridge();
 

@@ -8,6 +8,13 @@ std::vector<OptionRow<SolveOptions>> MakeTable() {
   std::string losses;
   for (const std::string_view name : LossNames()) losses += " | " + std::string(name);
   return {
+      ChoiceOption("engine", &O::engine,
+                   {{"automatic", Engine::kAutomatic},
+                    {"ceres", Engine::kCeres},
+                    {"direct", Engine::kDirect}},
+                   "who takes the steps: Ceres, or the same Levenberg-Marquardt on block normal "
+                   "equations in place; automatic: direct where its kind of steps is asked for, "
+                   "and no elimination of points pays"),
       ChoiceOption("method", &O::method,
                    {{"levenberg_marquardt", Method::kLevenbergMarquardt},
                     {"gauss_newton", Method::kGaussNewton},
@@ -48,6 +55,9 @@ std::vector<OptionRow<SolveOptions>> MakeTable() {
       IntegerOption("max_linear_iterations", &O::max_linear_iterations, 1,
                     "for cgnr and iterative_schur"),
       SwitchOption("jacobi_scaling", &O::jacobi_scaling, "scale the columns of the Jacobian"),
+      SwitchOption("reuse_factorisation", &O::reuse_factorisation,
+                   "direct: where the objective falls quickly, solve for a step with the "
+                   "factorisation of the step before"),
       SwitchOption("nonmonotonic_steps", &O::nonmonotonic_steps,
                    "allow up to five steps that raise the objective"),
       NumberOption("time_limit_s", &O::time_limit_s, false, "seconds; 0: no limit"),

@@ -8,6 +8,7 @@
 
 namespace graticule {
 
+enum class Engine { kAutomatic, kCeres, kDirect };
 enum class Method { kLevenbergMarquardt, kGaussNewton, kDogleg, kSubspaceDogleg };
 enum class LinearSolver {
   kAutomatic,
@@ -26,6 +27,7 @@ enum class Anchoring { kAutomatic, kNone };
 /// How to solve; never what.  SolveOptionTable() describes each member, and is what files, flags
 /// and docs read.
 struct SolveOptions {
+  Engine engine = Engine::kAutomatic;
   Method method = Method::kLevenbergMarquardt;
   LinearSolver linear_solver = LinearSolver::kAutomatic;
   LinearAlgebra linear_algebra = LinearAlgebra::kSuiteSparse;
@@ -39,6 +41,7 @@ struct SolveOptions {
   double max_trust_region_radius = 1e32;
   int max_linear_iterations = 500;
   bool jacobi_scaling = true;
+  bool reuse_factorisation = true;
   bool nonmonotonic_steps = false;
   double time_limit_s = 0;  ///< 0: none
   int threads = 1;

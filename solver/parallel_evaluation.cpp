@@ -6,9 +6,8 @@
 
 namespace graticule {
 
-ParallelEvaluation::ParallelEvaluation(const Evaluation& evaluation, const double* data,
-                                       int threads)
-    : evaluation_(evaluation), data_(data) {
+ParallelEvaluation::ParallelEvaluation(const Evaluation& evaluation, Stride stride, int threads)
+    : evaluation_(evaluation), stride_(stride) {
   // More threads than cores bring nothing, and too many cannot be made.
   const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   threads_ = std::clamp(threads, 1, 4 * cores);
@@ -19,19 +18,26 @@ ParallelEvaluation::ParallelEvaluation(const Evaluation& evaluation, const doubl
     offset_.push_back(offset);
     std::size_t columns = 1;
     for (const VariableId variable : graph.FactorAt(id).variables)
-      columns += static_cast<std::size_t>(graph.TypeOf(variable).Size());
+      columns += static_cast<std::size_t>(StrideOf(variable));
     offset += columns * static_cast<std::size_t>(graph.ResidualSize(id));
   }
   storage_.resize(offset);
   good_.resize(evaluation.FactorCount());
 }
 
-void ParallelEvaluation::Prepare(bool with_jacobians) {
+int ParallelEvaluation::StrideOf(VariableId variable) const {
+  const VariableType& type = evaluation_.TheGraph().TypeOf(variable);
+  return stride_ == Stride::kStored ? type.Size() : type.TangentSize();
+}
+
+void ParallelEvaluation::Prepare(const double* data, bool with_jacobians) {
   const auto bound = [&](int thread) {
     return static_cast<FactorId>(std::uint64_t{evaluation_.FactorCount()} *
                                  static_cast<unsigned>(thread) / static_cast<unsigned>(threads_));
   };
-  const auto share = [&](int thread) { Work(bound(thread), bound(thread + 1), with_jacobians); };
+  const auto share = [&](int thread) {
+    Work(data, bound(thread), bound(thread + 1), with_jacobians);
+  };
   std::vector<std::thread> others;
   for (int t = 1; t < threads_; ++t) others.emplace_back(share, t);
   share(0);
@@ -39,29 +45,30 @@ void ParallelEvaluation::Prepare(bool with_jacobians) {
 }
 
 bool ParallelEvaluation::Copy(FactorId id, double* residual, double** jacobians) const {
-  if (!good_[id]) return false;
+  const double* from = At(id);
+  if (!from) return false;
   const Graph& graph = evaluation_.TheGraph();
   const int rows = graph.ResidualSize(id);
-  const double* from = storage_.data() + offset_[id];
   std::copy(from, from + rows, residual);
   if (!jacobians) return true;
   from += rows;
   const Span<const VariableId> variables = graph.FactorAt(id).variables;
   for (std::size_t i = 0; i < variables.size(); ++i) {
-    const int size = rows * graph.TypeOf(variables[i]).Size();
+    const int size = rows * StrideOf(variables[i]);
     if (jacobians[i]) std::copy(from, from + size, jacobians[i]);
     from += size;
   }
   return true;
 }
 
-void ParallelEvaluation::Work(FactorId begin, FactorId end, bool with_jacobians) {
+void ParallelEvaluation::Work(const double* data, FactorId begin, FactorId end,
+                              bool with_jacobians) {
   const Graph& graph = evaluation_.TheGraph();
   std::vector<const double*> blocks;
   std::vector<double*> jacobians;
   std::vector<int> strides;
   for (FactorId id = begin; id < end; ++id) {
-    evaluation_.Blocks(id, data_, &blocks);
+    evaluation_.Blocks(id, data, &blocks);
     const int rows = graph.ResidualSize(id);
     double* residual = storage_.data() + offset_[id];
     double* next = residual + rows;
@@ -69,7 +76,7 @@ void ParallelEvaluation::Work(FactorId begin, FactorId end, bool with_jacobians)
     strides.clear();
     for (const VariableId variable : graph.FactorAt(id).variables) {
       jacobians.push_back(next);
-      strides.push_back(graph.TypeOf(variable).Size());
+      strides.push_back(StrideOf(variable));
       next += rows * strides.back();
     }
     good_[id] = evaluation_.Whitened(id, blocks.data(), residual,

@@ -11,21 +11,30 @@ namespace graticule {
 /// the number of threads.
 class ParallelEvaluation {
  public:
-  /// `data` is laid out as the graph's values, and is read anew at each Prepare.
-  ParallelEvaluation(const Evaluation& evaluation, const double* data, int threads);
+  /// Numbers from row to row of a Jacobian.
+  enum class Stride {
+    kStored,   ///< the block's stored size: columns beyond the tangent are zero
+    kTangent,  ///< its tangent size: packed
+  };
+  ParallelEvaluation(const Evaluation& evaluation, Stride stride, int threads);
 
-  void Prepare(bool with_jacobians);
+  /// At `data`, laid out as the graph's values.
+  void Prepare(const double* data, bool with_jacobians);
 
-  /// What Prepare found for one factor.  Jacobians have the stored sizes of the blocks as their
-  /// strides (columns beyond the tangent are zero), as CeresBridge wants them.  False where the
-  /// factor failed.
+  /// What Prepare found for one factor: its residual, then a Jacobian a block, row-major.  Null
+  /// where the factor failed.
+  const double* At(FactorId id) const {
+    return good_[id] ? storage_.data() + offset_[id] : nullptr;
+  }
+  /// The same, each to its place; Jacobians that are null are not wanted.
   bool Copy(FactorId id, double* residual, double** jacobians) const;
 
  private:
-  void Work(FactorId begin, FactorId end, bool with_jacobians);
+  int StrideOf(VariableId variable) const;
+  void Work(const double* data, FactorId begin, FactorId end, bool with_jacobians);
 
   const Evaluation& evaluation_;
-  const double* data_;
+  Stride stride_;
   int threads_ = 1;
   std::vector<std::size_t> offset_;
   std::vector<double> storage_;

@@ -27,7 +27,8 @@ struct Iteration {
   double step_norm = 0;
   double trust_region_radius = 0;
   int linear_iterations = 0;
-  double seconds = 0;  ///< wall time since Solve began
+  bool reused_factor = false;  ///< solved for with the factorisation of a step before
+  double seconds = 0;          ///< wall time since Solve began
 };
 
 /// Cost of all factors of one type and source together.

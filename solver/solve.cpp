@@ -7,8 +7,10 @@
 
 #include "graticule/solver/ceres_bridge.hpp"
 #include "graticule/solver/diagnose.hpp"
+#include "graticule/solver/direct_minimiser.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/evaluation.hpp"
+#include "graticule/solver/normal_equations.hpp"
 #include "graticule/solver/numeric_guard.hpp"
 #include "graticule/solver/provenance.hpp"
 #include "graticule/solver/stopwatch.hpp"
@@ -88,6 +90,25 @@ void WarnOfStarved(const Graph& graph, const Structure& structure, Report* repor
   report->warnings.push_back(text + (structure.starved.size() > 5 ? " ..." : ""));
 }
 
+// Whether our own minimiser takes the steps.  Throws Error (kUsage) where it is asked for what it
+// does not do.
+bool IsDirect(const Graph& graph, const SolveOptions& options, const std::vector<char>& is_held) {
+  if (options.engine == Engine::kDirect) {
+    if (DirectMinimiser::Serves(options)) return true;
+    throw Error(
+        "these options do not go together: engine direct takes levenberg_marquardt or "
+        "gauss_newton steps by sparse_normal_cholesky with suite_sparse, and none that raise the "
+        "objective",
+        ErrorKind::kUsage);
+  }
+  // Factors of many variables would make a plan larger than the problem.
+  constexpr std::size_t kPairsAFactor = 10;
+  return options.engine == Engine::kAutomatic && DirectMinimiser::Serves(options) &&
+         NormalEquations::CountPairs(graph) <= kPairsAFactor * graph.FactorCount() &&
+         !(options.linear_solver == LinearSolver::kAutomatic &&
+           CeresBridge::EliminationPays(graph, is_held));
+}
+
 }  // namespace
 
 Solution Solve(const Graph& graph, const SolveOptions& options, const Observer& watch) {
@@ -107,12 +128,23 @@ Solution Solve(const Graph& graph, const SolveOptions& options, const Observer& 
   for (const VariableId id : held) report.anchors.push_back(graph.KeyOf(id).ToString());
   WarnOfStarved(graph, structure, &report);
 
-  solution.values = graph.InitialValues();
-  CeresBridge bridge(evaluation, options, replaced, held, &solution.values.MutableData());
-  report.timing.build = clock.Lap();
+  std::vector<char> is_held(graph.VariableCount(), 0);
+  for (const VariableId id : held) is_held[id] = 1;
+  for (VariableId id = 0; id < graph.VariableCount(); ++id)
+    if (graph.IsFixed(id)) is_held[id] = 1;
 
-  const std::vector<double> initial = AllChi2(evaluation, solution.values.Data().data());
-  bridge.Run(watch, &report);
+  solution.values = graph.InitialValues();
+  std::vector<double>* data = &solution.values.MutableData();
+  std::vector<double> initial;
+  const auto run = [&](auto&& minimiser) {
+    report.timing.build = clock.Lap();
+    initial = AllChi2(evaluation, data->data());
+    minimiser.Run(watch, &report);
+  };
+  if (IsDirect(graph, options, is_held))
+    run(DirectMinimiser(evaluation, options, replaced, is_held, data));
+  else
+    run(CeresBridge(evaluation, options, replaced, is_held, data));
   if (report.termination == Termination::kFailed && !evaluation.FirstFailure().empty())
     report.message = evaluation.FirstFailure();
   const std::vector<double> final = AllChi2(evaluation, solution.values.Data().data());

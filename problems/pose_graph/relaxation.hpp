@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "graticule/factors/lie.hpp"
-#include "graticule/problems/pose_graph/block_system.hpp"
+#include "graticule/solver/block_system.hpp"
 #include "graticule/problems/pose_graph/chordal.hpp"
 #include "graticule/problems/pose_graph/information.hpp"
 #include "graticule/problems/pose_graph/pose_role.hpp"

@@ -97,6 +97,29 @@ std::string NameOf(const testing::TestParamInfo<Problem>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Problems, RecordedProblem, testing::ValuesIn(kProblems), NameOf);
 
+class Engines : public RecordedTest, public testing::WithParamInterface<Problem> {};
+
+TEST_P(Engines, ReachTheSameCost) {
+  const Problem& problem = GetParam();
+  const auto cost = [&](const char* engine) {
+    // So close to the minimum that what is left of the way there is no difference.
+    const auto report = JsonOf(RunCommand({"solve", Recorded(problem.file), "--json", "--set",
+                                           engine, "--set", "function_tolerance=1e-13"}));
+    return report.value("final_cost", std::nan(""));
+  };
+  const double ceres = cost("engine=ceres"), direct = cost("engine=direct");
+  EXPECT_TRUE(SameCost(ceres, direct)) << ceres << " with Ceres, " << direct << " without";
+}
+
+std::vector<Problem> Settled() {
+  std::vector<Problem> settled;
+  for (const Problem& problem : kProblems)
+    if (problem.reached && std::string(problem.ending) != ".txt") settled.push_back(problem);
+  return settled;
+}
+
+INSTANTIATE_TEST_SUITE_P(Problems, Engines, testing::ValuesIn(Settled()), NameOf);
+
 class G2oRotations : public RecordedTest {};
 
 // The manifest's third column lies up to 9.3e-5 above what is reached here (sphere2500 675.681164,

@@ -1,13 +1,9 @@
-#include "graticule/problems/pose_graph/block_system.hpp"
+#include "graticule/solver/block_system.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <random>
-
-#include "graticule/problems/pose_graph/nearest_rotation.hpp"
 
 namespace graticule {
 namespace {
@@ -50,6 +46,54 @@ TEST(BlockSystem, AgreesWithADenseSolveForEveryRightHandSideAndEveryNumber) {
   }
 }
 
+TEST(BlockSystem, TakesNodesOfDifferentSizes) {
+  std::mt19937 random(8);
+  const std::vector<int> sizes = {3, 1, 6, 2, 3, 2};
+  const Links links = {{0, 1}, {2, 1}, {2, 3}, {4, 3}, {0, 4}, {5, 2}, {1, 5}};
+  BlockSystem system(sizes, links);
+  ASSERT_EQ(system.Size(), 17);
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(17, 17);
+  const auto part = [&](int a, int b) {
+    return dense.block(system.First(a), system.First(b), sizes[static_cast<std::size_t>(a)],
+                       sizes[static_cast<std::size_t>(b)]);
+  };
+  for (int node = 0; node < 6; ++node) {
+    const Eigen::MatrixXd half = Random(sizes[static_cast<std::size_t>(node)], 9, &random);
+    const Eigen::MatrixXd block =
+        half * half.transpose() + 40 * Eigen::MatrixXd::Identity(half.rows(), half.rows());
+    system.AddToNode(node, block);
+    part(node, node) += block;
+  }
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto [a, b] = links[i];
+    const Eigen::MatrixXd block =
+        Random(sizes[static_cast<std::size_t>(a)], sizes[static_cast<std::size_t>(b)], &random);
+    system.AddToLink(i, block);
+    part(a, b) += block;
+    part(b, a) += block.transpose();
+  }
+  std::vector<double> diagonal;
+  system.CopyDiagonal(&diagonal);
+  for (int i = 0; i < 17; ++i) EXPECT_EQ(diagonal[static_cast<std::size_t>(i)], dense(i, i));
+
+  const Eigen::VectorXd right = Random(17, 1, &random);
+  std::vector<double> x(right.data(), right.data() + 17), product;
+  system.Multiply(x, &product);
+  EXPECT_LT((Eigen::Map<Eigen::VectorXd>(product.data(), 17) - dense * right).norm(), 1e-12);
+  ASSERT_TRUE(system.Solve(&x, 1));
+  EXPECT_LT((Eigen::Map<Eigen::VectorXd>(x.data(), 17) - dense.lu().solve(right)).norm(), 1e-13);
+
+  for (double& value : diagonal) value += 5;
+  system.SetDiagonal(diagonal);
+  std::vector<double> old(right.data(), right.data() + 17), damped = old;
+  ASSERT_TRUE(system.SolveFactorised(old.data(), 1));
+  EXPECT_EQ(old, x) << "by what was last factorised";
+  ASSERT_TRUE(system.Solve(&damped, 1));
+  const Eigen::VectorXd expected =
+      (dense + 5 * Eigen::MatrixXd::Identity(17, 17)).lu().solve(right);
+  EXPECT_LT((Eigen::Map<Eigen::VectorXd>(damped.data(), 17) - expected).norm(), 1e-13);
+}
+
 TEST(BlockSystem, RefusesWhatIsNotPositiveDefiniteAndLeavesTheRightHandSide) {
   BlockSystem system(2, 2, {{0, 1}});
   const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
@@ -64,26 +108,6 @@ TEST(BlockSystem, RefusesWhatIsNotPositiveDefiniteAndLeavesTheRightHandSide) {
   system.AddToNode(0, one);
   system.AddToNode(1, one);
   EXPECT_TRUE(system.Solve(&x, 1));
-}
-
-TEST(NearestRotation, AgreesWithSingularValues) {
-  std::mt19937 random(3);
-  for (int i = 0; i < 2000; ++i) {
-    Eigen::Matrix3d matrix = Random(3, 3, &random);
-    if (i % 3 == 0) matrix.col(2) *= 1e-6;  // nearly singular
-    if (i % 5 == 0) matrix *= 1e-9;         // far from the root relaxed rotations shrink
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double mirrors = svd.matrixU().determinant() * svd.matrixV().determinant();
-    const Eigen::Matrix3d expected =
-        svd.matrixU() * Eigen::Vector3d(1, 1, mirrors).asDiagonal() * svd.matrixV().transpose();
-    Eigen::Quaterniond q;
-    NearestRotation(matrix, q.coeffs().data());
-    // The answer is as uncertain as rounding is large beside what tells it from its neighbours.
-    const auto sizes = svd.singularValues();
-    const double gap = (sizes[1] + mirrors * sizes[2]) / sizes[0];
-    EXPECT_LT((q.toRotationMatrix() - expected).norm(), 1e-14 / std::min(1.0, gap) + 1e-13)
-        << matrix;
-  }
 }
 
 }  // namespace

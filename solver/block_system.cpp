@@ -1,10 +1,12 @@
-#include "graticule/problems/pose_graph/block_system.hpp"
+#include "graticule/solver/block_system.hpp"
 
 #include <cholmod.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "graticule/solver/error.hpp"
 #include "graticule/solver/numeric_guard.hpp"
 
 namespace graticule {
@@ -30,7 +32,7 @@ cholmod_sparse LowerTriangle(std::vector<int>& begins, std::vector<int>& rows, d
 struct Pattern {
   std::vector<int> begins, rows;
 
-  Pattern(const std::vector<std::pair<int, int>>& links, const std::vector<int>& place)
+  Pattern(const BlockSystem::Links& links, const std::vector<int>& place)
       : begins(place.size() + 1, 0) {
     // By row first, then by column: a bucket sort that leaves the rows in order.
     std::vector<int> row_begins(place.size() + 1, 0);
@@ -82,6 +84,9 @@ struct Pattern {
 struct BlockSystem::Cholesky {
   cholmod_common common;
   cholmod_factor* factor = nullptr;
+  cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;  // kept for the next
+  std::vector<double> ordered;
+  bool is_factorised = false;
 
   Cholesky() {
     cholmod_start(&common);
@@ -100,6 +105,9 @@ struct BlockSystem::Cholesky {
     common.quick_return_if_not_posdef = 1;
   }
   ~Cholesky() {
+    cholmod_free_dense(&solution, &common);
+    cholmod_free_dense(&work_y, &common);
+    cholmod_free_dense(&work_e, &common);
     cholmod_free_factor(&factor, &common);
     cholmod_finish(&common);
   }
@@ -107,7 +115,7 @@ struct BlockSystem::Cholesky {
   // The place of each node in the order of elimination: minimum degree on the blocks, then the
   // postorder of their elimination tree.  On the numbers inside the blocks it would come out the
   // same, later; and a matrix that is in order need not be permuted whenever it is factorised.
-  std::vector<int> Order(int nodes, const std::vector<std::pair<int, int>>& links) {
+  std::vector<int> Order(int nodes, const BlockSystem::Links& links) {
     const auto count = static_cast<std::size_t>(nodes);
     std::vector<int> place(count), order(count), parent(count), postorder(count);
     for (std::size_t i = 0; i < count; ++i) place[i] = static_cast<int>(i);
@@ -127,39 +135,82 @@ struct BlockSystem::Cholesky {
   }
 };
 
-BlockSystem::BlockSystem(int block_size, int nodes, const std::vector<std::pair<int, int>>& links,
+BlockSystem::BlockSystem(int block_size, int nodes, const Links& links,
                          const BlockSystem* ordered_like)
-    : size_(block_size), cholesky_(std::make_unique<Cholesky>()) {
+    : BlockSystem(std::vector<int>(static_cast<std::size_t>(nodes), block_size), links,
+                  ordered_like) {}
+
+BlockSystem::BlockSystem(std::vector<int> sizes, const Links& links,
+                         const BlockSystem* ordered_like)
+    : sizes_(std::move(sizes)), cholesky_(std::make_unique<Cholesky>()) {
   const NumericGuard guard;
-  place_ = ordered_like ? ordered_like->place_ : cholesky_->Order(nodes, links);
+  const std::size_t nodes = sizes_.size();
+  place_ = ordered_like ? ordered_like->place_ : cholesky_->Order(static_cast<int>(nodes), links);
   const Pattern pattern(links, place_);
-  const auto size = static_cast<std::size_t>(size_);
-  const auto slot_of = [&](int column, int position) {
-    const int first = pattern.begins[static_cast<std::size_t>(column)];
-    const int blocks = pattern.begins[static_cast<std::size_t>(column) + 1] - first;
-    return Slot{
-        size * (size * static_cast<std::size_t>(first) + static_cast<std::size_t>(position)),
-        size_ * blocks, false};
+  std::vector<int> node_at(nodes);
+  for (std::size_t node = 0; node < nodes; ++node)
+    node_at[static_cast<std::size_t>(place_[node])] = static_cast<int>(node);
+  const auto size_at = [&](int place) {
+    return sizes_[static_cast<std::size_t>(node_at[static_cast<std::size_t>(place)])];
   };
-  begins_.reserve(place_.size() * size + 1);
-  begins_.push_back(0);
-  rows_.reserve(pattern.rows.size() * size * size);
-  for (std::size_t j = 0; j < place_.size(); ++j)
-    for (int c = 0; c < size_; ++c) {
-      for (int k = pattern.begins[j]; k < pattern.begins[j + 1]; ++k)
-        for (int r = 0; r < size_; ++r)
-          rows_.push_back(pattern.rows[static_cast<std::size_t>(k)] * size_ + r);
-      begins_.push_back(static_cast<int>(rows_.size()));
+  firsts_.reserve(nodes);
+  int size = 0;
+  for (const int numbers : sizes_) {
+    firsts_.push_back(size);
+    size += numbers;
+  }
+
+  std::vector<int> number_of(nodes);       // by place: its first number
+  std::vector<int> row_offset;             // by block: numbers of its column above it
+  std::vector<std::size_t> column(nodes);  // by place: where its values begin
+  std::vector<int> heights(nodes);         // by place: numbers of each of its columns
+  row_offset.reserve(pattern.rows.size());
+  std::size_t values = 0;
+  int number = 0;
+  for (std::size_t j = 0; j < nodes; ++j) {
+    number_of[j] = number;
+    number += size_at(static_cast<int>(j));
+    int height = 0;
+    for (int k = pattern.begins[j]; k < pattern.begins[j + 1]; ++k) {
+      row_offset.push_back(height);
+      height += size_at(pattern.rows[static_cast<std::size_t>(k)]);
     }
-  values_.assign(rows_.size(), 0);
-  node_slots_.reserve(place_.size());
+    column[j] = values;
+    heights[j] = height;
+    values +=
+        static_cast<std::size_t>(height) * static_cast<std::size_t>(size_at(static_cast<int>(j)));
+  }
+  if (values > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw Error("the linear system is too large for 32-bit sparse matrices", ErrorKind::kOther);
+  begins_.reserve(static_cast<std::size_t>(size) + 1);
+  begins_.push_back(0);
+  from_.reserve(static_cast<std::size_t>(size));
+  rows_.reserve(values);
+  for (std::size_t j = 0; j < nodes; ++j)
+    for (int c = 0; c < size_at(static_cast<int>(j)); ++c) {
+      for (int k = pattern.begins[j]; k < pattern.begins[j + 1]; ++k) {
+        const int place = pattern.rows[static_cast<std::size_t>(k)];
+        for (int r = 0; r < size_at(place); ++r)
+          rows_.push_back(number_of[static_cast<std::size_t>(place)] + r);
+      }
+      begins_.push_back(static_cast<int>(rows_.size()));
+      from_.push_back(firsts_[static_cast<std::size_t>(node_at[j])] + c);
+    }
+  values_.assign(values, 0);
+  const auto slot_of = [&](int place, int position) {
+    const auto j = static_cast<std::size_t>(place);
+    return Slot{column[j] + static_cast<std::size_t>(
+                                row_offset[static_cast<std::size_t>(pattern.begins[j] + position)]),
+                heights[j], false};
+  };
+  node_slots_.reserve(nodes);
   for (const int place : place_) node_slots_.push_back(slot_of(place, 0));
   link_slots_.reserve(links.size());
   for (const auto& [first, second] : links) {
     const int i = place_[static_cast<std::size_t>(first)];
     const int j = place_[static_cast<std::size_t>(second)];
-    const int row = std::max(i, j), column = std::min(i, j);
-    link_slots_.push_back(slot_of(column, pattern.PositionOf(row, column)));
+    const int row = std::max(i, j), below = std::min(i, j);
+    link_slots_.push_back(slot_of(below, pattern.PositionOf(row, below)));
     link_slots_.back().transposed = i < j;
   }
   cholmod_sparse matrix = LowerTriangle(begins_, rows_, values_.data());
@@ -170,26 +221,66 @@ BlockSystem::~BlockSystem() = default;
 
 void BlockSystem::Clear() { std::fill(values_.begin(), values_.end(), 0.0); }
 
-bool BlockSystem::Solve(std::vector<double>* rhs, int columns) {
+void BlockSystem::CopyDiagonal(std::vector<double>* diagonal) const {
+  diagonal->resize(from_.size());
+  for (std::size_t node = 0; node < sizes_.size(); ++node)
+    for (int i = 0; i < sizes_[node]; ++i)
+      (*diagonal)[static_cast<std::size_t>(firsts_[node] + i)] =
+          values_[node_slots_[node].first +
+                  static_cast<std::size_t>(i * (node_slots_[node].stride + 1))];
+}
+
+void BlockSystem::SetDiagonal(Span<const double> diagonal) {
+  for (std::size_t node = 0; node < sizes_.size(); ++node)
+    for (int i = 0; i < sizes_[node]; ++i)
+      values_[node_slots_[node].first +
+              static_cast<std::size_t>(i * (node_slots_[node].stride + 1))] =
+          diagonal[static_cast<std::size_t>(firsts_[node] + i)];
+}
+
+void BlockSystem::Multiply(const std::vector<double>& vector, std::vector<double>* product) const {
+  product->assign(vector.size(), 0.0);
+  for (std::size_t j = 0; j < from_.size(); ++j) {
+    const auto column = static_cast<std::size_t>(from_[j]);
+    double sum = 0;
+    for (int k = begins_[j]; k < begins_[j + 1]; ++k) {
+      const int i = rows_[static_cast<std::size_t>(k)];
+      if (i < static_cast<int>(j)) continue;
+      const auto row = static_cast<std::size_t>(from_[static_cast<std::size_t>(i)]);
+      const double value = values_[static_cast<std::size_t>(k)];
+      sum += value * vector[row];
+      if (row != column) (*product)[row] += value * vector[column];
+    }
+    (*product)[column] += sum;
+  }
+}
+
+bool BlockSystem::Factorise() {
   const NumericGuard guard;
   Cholesky& cholesky = *cholesky_;
+  cholesky.is_factorised = false;
   if (!cholesky.factor) return false;
-  const std::size_t size = begins_.size() - 1;
   cholmod_sparse matrix = LowerTriangle(begins_, rows_, values_.data());
-  if (!cholmod_factorize(&matrix, cholesky.factor, &cholesky.common) ||
-      cholesky.common.status != CHOLMOD_OK || cholesky.factor->minor < size)
-    return false;
+  cholesky.is_factorised = cholmod_factorize(&matrix, cholesky.factor, &cholesky.common) &&
+                           cholesky.common.status == CHOLMOD_OK &&
+                           cholesky.factor->minor == from_.size();
+  return cholesky.is_factorised;
+}
 
+bool BlockSystem::SolveFactorised(double* rhs, int columns) {
+  const NumericGuard guard;
+  Cholesky& cholesky = *cholesky_;
+  if (!cholesky.is_factorised) return false;
+  const std::size_t size = from_.size();
+  std::vector<double>& ordered = cholesky.ordered;
+  ordered.resize(size * static_cast<std::size_t>(columns));
   // From the nodes' order into that of elimination, and back.
-  std::vector<double> ordered(rhs->size());
   const auto each = [&](auto&& visit) {
     for (std::size_t c = 0; c < static_cast<std::size_t>(columns); ++c)
-      for (std::size_t node = 0; node < place_.size(); ++node)
-        for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i)
-          visit(c * size + node * static_cast<std::size_t>(size_) + i,
-                c * size + static_cast<std::size_t>(place_[node] * size_) + i);
+      for (std::size_t i = 0; i < size; ++i)
+        visit(c * size + static_cast<std::size_t>(from_[i]), c * size + i);
   };
-  each([&](std::size_t outside, std::size_t inside) { ordered[inside] = (*rhs)[outside]; });
+  each([&](std::size_t outside, std::size_t inside) { ordered[inside] = rhs[outside]; });
   cholmod_dense right{};
   right.nrow = right.d = size;
   right.ncol = static_cast<std::size_t>(columns);
@@ -197,14 +288,14 @@ bool BlockSystem::Solve(std::vector<double>* rhs, int columns) {
   right.x = ordered.data();
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, cholesky.factor, &right, &cholesky.common);
-  if (!solution) return false;
-  const double* x = static_cast<const double*>(solution->x);
-  const bool finite =
-      std::all_of(x, x + ordered.size(), [](double value) { return std::isfinite(value); });
-  if (finite) each([&](std::size_t outside, std::size_t inside) { (*rhs)[outside] = x[inside]; });
-  cholmod_free_dense(&solution, &cholesky.common);
-  return finite;
+  if (!cholmod_solve2(CHOLMOD_A, cholesky.factor, &right, nullptr, &cholesky.solution, nullptr,
+                      &cholesky.work_y, &cholesky.work_e, &cholesky.common))
+    return false;
+  const double* x = static_cast<const double*>(cholesky.solution->x);
+  if (!std::all_of(x, x + ordered.size(), [](double value) { return std::isfinite(value); }))
+    return false;
+  each([&](std::size_t outside, std::size_t inside) { rhs[outside] = x[inside]; });
+  return true;
 }
 
 }  // namespace graticule

@@ -1,0 +1,194 @@
+#include "graticule/solver/normal_equations.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+namespace graticule {
+namespace {
+
+// to += scale * a' b, of matrices with `rows` rows, row-major; `to` by columns, or its transpose.
+template <int kRows, int kA, int kB>
+void AddProductOf(const double* a, const double* b, double scale, const BlockSystem::Block& to) {
+  using Left = Eigen::Matrix<double, kRows, kA, kA == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+  using Right = Eigen::Matrix<double, kRows, kB, kB == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+  const Eigen::Map<const Left> left(a);
+  const Eigen::Map<const Right> right(b);
+  if (to.transposed) {
+    Eigen::Map<Eigen::Matrix<double, kB, kA>, 0, Eigen::OuterStride<>> block(
+        to.values, Eigen::OuterStride<>(to.stride));
+    block.noalias() += (scale * right).transpose().lazyProduct(left);
+  } else {
+    Eigen::Map<Eigen::Matrix<double, kA, kB>, 0, Eigen::OuterStride<>> block(
+        to.values, Eigen::OuterStride<>(to.stride));
+    block.noalias() += (scale * left).transpose().lazyProduct(right);
+  }
+}
+
+void AddProduct(int rows, int a_size, int b_size, const double* a, const double* b, double scale,
+                const BlockSystem::Block& to) {
+  if (rows == 3 && a_size == 3 && b_size == 3) return AddProductOf<3, 3, 3>(a, b, scale, to);
+  if (rows == 6 && a_size == 6 && b_size == 6) return AddProductOf<6, 6, 6>(a, b, scale, to);
+  const int from_row = to.transposed ? to.stride : 1, from_column = to.transposed ? 1 : to.stride;
+  for (int r = 0; r < rows; ++r)
+    for (int j = 0; j < b_size; ++j) {
+      const double factor = scale * b[r * b_size + j];
+      for (int i = 0; i < a_size; ++i)
+        to.values[i * from_row + j * from_column] += factor * a[r * a_size + i];
+    }
+}
+
+}  // namespace
+
+std::size_t NormalEquations::CountPairs(const Graph& graph) {
+  std::size_t pairs = 0;
+  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+    const std::size_t blocks = graph.FactorAt(id).variables.size();
+    pairs += blocks * (blocks - 1) / 2;
+  }
+  return pairs;
+}
+
+NormalEquations::NormalEquations(const Evaluation& evaluation, const std::optional<Loss>& replaced,
+                                 const std::vector<char>& is_held, int threads)
+    : evaluation_(evaluation), replaced_(replaced), threads_(threads) {
+  const Graph& graph = evaluation.TheGraph();
+  std::vector<int> node_of(graph.VariableCount(), kHeld), sizes;
+  for (const VariableId id : graph.KeyOrder()) {
+    if (is_held[id] || graph.TypeOf(id).TangentSize() == 0) continue;
+    node_of[id] = static_cast<int>(free_.size());
+    free_.push_back(id);
+    sizes.push_back(graph.TypeOf(id).TangentSize());
+  }
+  BlockSystem::Links links;
+  links.reserve(CountPairs(graph));
+  firsts_.reserve(graph.FactorCount());
+  links_.reserve(graph.FactorCount());
+  std::size_t largest = 0;
+  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+    const Span<const VariableId> variables = graph.FactorAt(id).variables;
+    firsts_.push_back(nodes_.size());
+    links_.push_back(links.size());
+    std::size_t columns = 1;
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      const int node = node_of[variables[i]];
+      columns += static_cast<std::size_t>(graph.TypeOf(variables[i]).TangentSize());
+      for (std::size_t k = firsts_.back(); k < nodes_.size() && node != kHeld; ++k)
+        if (nodes_[k] != kHeld) links.emplace_back(nodes_[k], node);
+      nodes_.push_back(node);
+    }
+    largest = std::max(largest, columns * static_cast<std::size_t>(graph.ResidualSize(id)));
+  }
+  system_ = std::make_unique<BlockSystem>(std::move(sizes), links);
+  gradient_.resize(static_cast<std::size_t>(system_->Size()));
+  scratch_.resize(largest);
+  if (threads > 1)
+    parallel_ = std::make_unique<ParallelEvaluation>(evaluation,
+                                                     ParallelEvaluation::Stride::kTangent, threads);
+}
+
+bool NormalEquations::Linearise(const double* data, double* objective) {
+  const Graph& graph = evaluation_.TheGraph();
+  system_->Clear();
+  std::fill(gradient_.begin(), gradient_.end(), 0.0);
+  *objective = 0;
+  if (parallel_) parallel_->Prepare(data, true);
+  std::vector<const double*> blocks;
+  std::vector<double*> jacobians;
+  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+    const int rows = graph.ResidualSize(id);
+    const double* residual = scratch_.data();
+    if (parallel_) {
+      residual = parallel_->At(id);
+      if (!residual) return false;
+    } else {
+      evaluation_.Blocks(id, data, &blocks);
+      jacobians.clear();
+      double* next = scratch_.data() + rows;
+      const Span<const VariableId> variables = graph.FactorAt(id).variables;
+      for (std::size_t i = 0; i < variables.size(); ++i) {
+        jacobians.push_back(nodes_[firsts_[id] + i] == kHeld ? nullptr : next);
+        next += rows * graph.TypeOf(variables[i]).TangentSize();
+      }
+      if (!evaluation_.Whitened(id, blocks.data(), scratch_.data(), jacobians.data(), nullptr))
+        return false;
+    }
+    double chi2 = 0, rho[3];
+    for (int r = 0; r < rows; ++r) chi2 += residual[r] * residual[r];
+    EvaluateLoss(replaced_.value_or(graph.FactorAt(id).loss), chi2, rho);
+    *objective += 0.5 * rho[0];
+    Add(id, residual, residual + rows, rho[1]);
+  }
+  return true;
+}
+
+void NormalEquations::Add(FactorId id, const double* residual, const double* jacobians,
+                          double weight) {
+  const Graph& graph = evaluation_.TheGraph();
+  const int rows = graph.ResidualSize(id);
+  const Span<const VariableId> variables = graph.FactorAt(id).variables;
+  const int* nodes = nodes_.data() + firsts_[id];
+  std::size_t link = links_[id];
+  const double* b = jacobians;
+  for (std::size_t j = 0; j < variables.size(); ++j) {
+    const int b_size = graph.TypeOf(variables[j]).TangentSize();
+    if (nodes[j] != kHeld) {
+      const double* a = jacobians;
+      for (std::size_t i = 0; i < j; ++i) {
+        const int a_size = graph.TypeOf(variables[i]).TangentSize();
+        if (nodes[i] != kHeld)
+          AddProduct(rows, a_size, b_size, a, b, weight, system_->LinkBlock(link++));
+        a += rows * a_size;
+      }
+      AddProduct(rows, b_size, b_size, b, b, weight, system_->NodeBlock(nodes[j]));
+      double* gradient = gradient_.data() + system_->First(nodes[j]);
+      for (int r = 0; r < rows; ++r)
+        for (int c = 0; c < b_size; ++c) gradient[c] += weight * residual[r] * b[r * b_size + c];
+    }
+    b += rows * b_size;
+  }
+}
+
+bool NormalEquations::Objective(const double* data, double* objective) {
+  const Graph& graph = evaluation_.TheGraph();
+  *objective = 0;
+  double rho[3];
+  if (parallel_) parallel_->Prepare(data, false);
+  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+    double chi2 = 0;
+    if (parallel_) {
+      const double* residual = parallel_->At(id);
+      if (!residual) return false;
+      for (int r = 0; r < graph.ResidualSize(id); ++r) chi2 += residual[r] * residual[r];
+    } else {
+      chi2 = evaluation_.Chi2(id, data);
+      if (std::isnan(chi2)) return false;
+    }
+    EvaluateLoss(replaced_.value_or(graph.FactorAt(id).loss), chi2, rho);
+    *objective += 0.5 * rho[0];
+  }
+  return true;
+}
+
+void NormalEquations::Plus(const double* data, const double* step, double* moved) const {
+  const Graph& graph = evaluation_.TheGraph();
+  for (std::size_t node = 0; node < free_.size(); ++node) {
+    const VariableId id = free_[node];
+    const std::size_t offset = graph.Offset(id);
+    graph.TypeOf(id).Plus(data + offset, step + system_->First(static_cast<int>(node)),
+                          moved + offset);
+  }
+}
+
+double NormalEquations::Norm(const double* data) const {
+  const Graph& graph = evaluation_.TheGraph();
+  double sum = 0;
+  for (const VariableId id : free_)
+    for (int i = 0; i < graph.TypeOf(id).Size(); ++i) {
+      const double value = data[graph.Offset(id) + static_cast<std::size_t>(i)];
+      sum += value * value;
+    }
+  return std::sqrt(sum);
+}
+
+}  // namespace graticule
