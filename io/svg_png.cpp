@@ -1,4 +1,5 @@
 #include <cairo.h>
+#include <dlfcn.h>
 #include <librsvg/rsvg.h>
 
 #include <cmath>
@@ -10,11 +11,51 @@
 namespace graticule {
 namespace {
 
+// librsvg and what it brings, opened for the first picture: its fifty libraries cost a process as
+// much to load as a small problem to solve.
+struct Librsvg {
+  void* library = dlopen("librsvg-2.so.2", RTLD_LAZY | RTLD_LOCAL);
+
+#define GRATICULE_FIND(name) decltype(&::name) name = Find<decltype(&::name)>(#name);
+  GRATICULE_FIND(cairo_create)
+  GRATICULE_FIND(cairo_destroy)
+  GRATICULE_FIND(cairo_image_surface_create)
+  GRATICULE_FIND(cairo_paint)
+  GRATICULE_FIND(cairo_set_source_rgb)
+  GRATICULE_FIND(cairo_status_to_string)
+  GRATICULE_FIND(cairo_surface_destroy)
+  GRATICULE_FIND(cairo_surface_write_to_png_stream)
+  GRATICULE_FIND(g_error_free)
+  GRATICULE_FIND(g_memory_input_stream_new_from_data)
+  GRATICULE_FIND(g_object_unref)
+  GRATICULE_FIND(rsvg_handle_get_intrinsic_dimensions)
+  GRATICULE_FIND(rsvg_handle_get_intrinsic_size_in_pixels)
+  GRATICULE_FIND(rsvg_handle_new_from_stream_sync)
+  GRATICULE_FIND(rsvg_handle_render_document)
+  GRATICULE_FIND(rsvg_handle_set_dpi)
+#undef GRATICULE_FIND
+
+ private:
+  template <class Function>
+  Function Find(const char* name) const {
+    void* found = library ? dlsym(library, name) : nullptr;
+    if (!found)
+      throw Error(std::string("SVG to PNG: expected librsvg 2 (Debian: librsvg2-2): ") + dlerror(),
+                  ErrorKind::kOther);
+    return reinterpret_cast<Function>(found);
+  }
+};
+
+const Librsvg& Lib() {
+  static const Librsvg lib;
+  return lib;
+}
+
 struct Release {
-  void operator()(void* object) const { g_object_unref(object); }
-  void operator()(GError* error) const { g_error_free(error); }
-  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
-  void operator()(cairo_t* context) const { cairo_destroy(context); }
+  void operator()(void* object) const { Lib().g_object_unref(object); }
+  void operator()(GError* error) const { Lib().g_error_free(error); }
+  void operator()(cairo_surface_t* surface) const { Lib().cairo_surface_destroy(surface); }
+  void operator()(cairo_t* context) const { Lib().cairo_destroy(context); }
 };
 template <class T>
 using Owned = std::unique_ptr<T, Release>;
@@ -36,25 +77,25 @@ cairo_status_t Append(void* closure, const unsigned char* data, unsigned int len
 }
 
 Owned<RsvgHandle> Parse(const std::string& svg) {
-  const Owned<GInputStream> stream(
-      g_memory_input_stream_new_from_data(svg.data(), static_cast<gssize>(svg.size()), nullptr));
+  const Owned<GInputStream> stream(Lib().g_memory_input_stream_new_from_data(
+      svg.data(), static_cast<gssize>(svg.size()), nullptr));
   GError* error = nullptr;
   // Unlimited: libxml2 otherwise refuses an attribute above 10 MB, and a path is one attribute.
-  Owned<RsvgHandle> handle(rsvg_handle_new_from_stream_sync(
+  Owned<RsvgHandle> handle(Lib().rsvg_handle_new_from_stream_sync(
       stream.get(), nullptr, RSVG_HANDLE_FLAG_UNLIMITED, nullptr, &error));
   if (!handle) Refuse("not an SVG document", error);
-  rsvg_handle_set_dpi(handle.get(), 96);
+  Lib().rsvg_handle_set_dpi(handle.get(), 96);
   return handle;
 }
 
 double HeightOverWidth(RsvgHandle* handle) {
   double width = 0, height = 0;
-  if (!rsvg_handle_get_intrinsic_size_in_pixels(handle, &width, &height)) {
+  if (!Lib().rsvg_handle_get_intrinsic_size_in_pixels(handle, &width, &height)) {
     gboolean has_width, has_height, has_box;
     RsvgLength unused;
     RsvgRectangle box{};
-    rsvg_handle_get_intrinsic_dimensions(handle, &has_width, &unused, &has_height, &unused,
-                                         &has_box, &box);
+    Lib().rsvg_handle_get_intrinsic_dimensions(handle, &has_width, &unused, &has_height, &unused,
+                                               &has_box, &box);
     width = box.width;
     height = box.height;
   }
@@ -73,19 +114,21 @@ std::string PngFromSvg(const std::string& svg, int width_px) {
            nullptr);
 
   const Owned<cairo_surface_t> surface(
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, static_cast<int>(height_px)));
-  const Owned<cairo_t> context(cairo_create(surface.get()));
-  cairo_set_source_rgb(context.get(), 1, 1, 1);
-  cairo_paint(context.get());
+      Lib().cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, static_cast<int>(height_px)));
+  const Owned<cairo_t> context(Lib().cairo_create(surface.get()));
+  Lib().cairo_set_source_rgb(context.get(), 1, 1, 1);
+  Lib().cairo_paint(context.get());
   const RsvgRectangle viewport{0, 0, static_cast<double>(width_px), height_px};
   GError* error = nullptr;
-  if (!rsvg_handle_render_document(handle.get(), context.get(), &viewport, &error))
+  if (!Lib().rsvg_handle_render_document(handle.get(), context.get(), &viewport, &error))
     Refuse("cannot draw", error);
 
   std::string png;
-  const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), Append, &png);
+  const cairo_status_t status =
+      Lib().cairo_surface_write_to_png_stream(surface.get(), Append, &png);
   if (status != CAIRO_STATUS_SUCCESS)
-    throw Error(std::string("SVG to PNG: ") + cairo_status_to_string(status), ErrorKind::kOther);
+    throw Error(std::string("SVG to PNG: ") + Lib().cairo_status_to_string(status),
+                ErrorKind::kOther);
   return png;
 }
 

@@ -93,6 +93,12 @@ Evaluation::Evaluation(const Graph& graph) : graph_(graph) {
     instances_[id].self =
         CreateFactor(*factor.type->table, measurement,
                      static_cast<std::int32_t>(factor.variables.size()), &residual_size, &why);
+    instances_[id].noise = factor.noise_id;
+    instances_[id].is_plain = factor.type->HasTangentJacobians();
+    if (!instances_[id].is_plain)
+      instances_[id].is_plain =
+          std::none_of(factor.variables.begin(), factor.variables.end(),
+                       [&](VariableId variable) { return graph.TypeOf(variable).manifold; });
     const bool repeated = HasRepeatedKey(factor);
     if (!instances_[id].self || residual_size != graph.ResidualSize(id) || repeated) {
       if (repeated) why = "the same key twice";
@@ -146,22 +152,39 @@ bool Evaluation::Raw(FactorId id, const double* const* blocks, double* residual,
   return Evaluate(id, blocks, residual, jacobians, nullptr, false);
 }
 
+bool Evaluation::EvaluatePlain(FactorId id, const double* const* blocks, double* residual,
+                               double** jacobians, bool whiten) const {
+  const Instance& instance = instances_[id];
+  const Whitener& whitener = whiteners_[instance.noise];
+  const int rows = graph_.ResidualSize(id);
+  graticule_error error;
+  error.message[0] = 0;
+  if (!instance.table->evaluate(instance.self, blocks, residual, jacobians, &error))
+    return Fail(id, Reason(&error, "could not be evaluated"));
+  if (!AllFinite(residual, rows)) return Fail(id, "returned a residual that is not finite");
+  if (whiten) whitener.Apply(residual, rows, 1, 1);
+  if (!jacobians) return true;
+  for (const VariableId variable : graph_.VariablesOf(id)) {
+    double* jacobian = *jacobians++;
+    if (!jacobian) continue;
+    const int size = graph_.TypeOf(variable).TangentSize();
+    if (!AllFinite(jacobian, rows * size))
+      return Fail(id, "returned a Jacobian that is not finite");
+    if (whiten) whitener.Apply(jacobian, rows, size, size);
+  }
+  return true;
+}
+
 bool Evaluation::Evaluate(FactorId id, const double* const* blocks, double* residual,
                           double** jacobians, const int* strides, bool whiten) const try {
-  const FactorView factor = graph_.FactorAt(id);
   const Instance& instance = instances_[id];
+  if (!jacobians || (instance.is_plain && !strides))
+    return EvaluatePlain(id, blocks, residual, jacobians, whiten);
+  const FactorView factor = graph_.FactorAt(id);
   const int rows = graph_.ResidualSize(id);
   const std::size_t count = factor.variables.size();
   graticule_error error;
   error.message[0] = 0;
-
-  if (!jacobians) {
-    if (!instance.table->evaluate(instance.self, blocks, residual, nullptr, &error))
-      return Fail(id, Reason(&error, "could not be evaluated"));
-    if (!AllFinite(residual, rows)) return Fail(id, "returned a residual that is not finite");
-    if (whiten) whiteners_[factor.noise_id].Apply(residual, rows, 1, 1);
-    return true;
-  }
 
   // Where the factor's own matrix has the wanted shape it writes straight to its place.
   const bool in_tangent = factor.type->HasTangentJacobians();
@@ -224,15 +247,14 @@ bool Evaluation::Evaluate(FactorId id, const double* const* blocks, double* resi
 
 void Evaluation::Blocks(FactorId id, const double* data, std::vector<const double*>* blocks) const {
   blocks->clear();
-  for (const VariableId variable : graph_.FactorAt(id).variables)
+  for (const VariableId variable : graph_.VariablesOf(id))
     blocks->push_back(data + graph_.Offset(variable));
 }
 
 double Evaluation::Chi2(FactorId id, const double* data) const {
-  const FactorView factor = graph_.FactorAt(id);
-  Scratch<const double*, 8> blocks(factor.variables.size());
-  for (std::size_t i = 0; i < factor.variables.size(); ++i)
-    blocks[i] = data + graph_.Offset(factor.variables[i]);
+  const Span<const VariableId> variables = graph_.VariablesOf(id);
+  Scratch<const double*, 8> blocks(variables.size());
+  for (std::size_t i = 0; i < variables.size(); ++i) blocks[i] = data + graph_.Offset(variables[i]);
   const int rows = graph_.ResidualSize(id);
   Scratch<double, 16> residual(static_cast<std::size_t>(rows));
   if (!Whitened(id, blocks.data(), residual.data(), nullptr, nullptr))

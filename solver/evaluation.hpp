@@ -50,7 +50,11 @@ class Evaluation {
   struct Instance {
     const graticule_factor_type_v1* table = nullptr;
     void* self = nullptr;
+    std::uint32_t noise = 0;
+    bool is_plain = false;  // its Jacobians are those of the tangent, as it writes them
   };
+  bool EvaluatePlain(FactorId id, const double* const* blocks, double* residual, double** jacobians,
+                     bool whiten) const;
   bool Evaluate(FactorId id, const double* const* blocks, double* residual, double** jacobians,
                 const int* strides, bool whiten) const;
   void Destroy();

@@ -84,6 +84,11 @@ class Graph {
 
   std::size_t FactorCount() const { return factors_.size(); }
   FactorView FactorAt(FactorId id) const;
+  /// Parts of it, for inner loops.
+  Span<const VariableId> VariablesOf(FactorId id) const {
+    return {variable_pool_.data() + factors_[id].first_variable, factors_[id].variable_count};
+  }
+  const Loss& LossOf(FactorId id) const { return factors_[id].loss; }
   /// A copy of a factor, with keys.
   Factor FactorRecord(FactorId id) const;
   int ResidualSize(FactorId id) const { return factors_[id].residual_size; }

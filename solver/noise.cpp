@@ -109,12 +109,34 @@ Whitener::Whitener(NoiseView noise, int residual_size) {
   }
 }
 
+namespace {
+
+// As the loop in Apply, with sizes that the compiler knows.
+template <int kRows, int kColumns>
+void ApplyTriangle(const double* s, double* matrix) {
+  for (int i = 0; i < kRows; ++i) {
+    double* row = matrix + i * kColumns;
+    for (int c = 0; c < kColumns; ++c) row[c] *= s[0];
+    for (int j = i + 1; j < kRows; ++j)
+      for (int c = 0; c < kColumns; ++c) row[c] += s[j - i] * matrix[j * kColumns + c];
+    s += kRows - i;
+  }
+}
+
+}  // namespace
+
 void Whitener::Apply(double* matrix, int rows, int columns, int stride) const {
   if (form_ == Form::kNone) return;
   if (form_ == Form::kDiagonal) {
     for (int i = 0; i < rows; ++i)
       for (int c = 0; c < columns; ++c) matrix[i * stride + c] *= s_[static_cast<std::size_t>(i)];
     return;
+  }
+  if (columns == stride) {
+    if (rows == 3 && columns == 3) return ApplyTriangle<3, 3>(s_.data(), matrix);
+    if (rows == 3 && columns == 1) return ApplyTriangle<3, 1>(s_.data(), matrix);
+    if (rows == 6 && columns == 6) return ApplyTriangle<6, 6>(s_.data(), matrix);
+    if (rows == 6 && columns == 1) return ApplyTriangle<6, 1>(s_.data(), matrix);
   }
   // Row i of S M needs rows i.. of M only: top to bottom, in place.
   const double* s = s_.data();

@@ -43,7 +43,7 @@ void AddProduct(int rows, int a_size, int b_size, const double* a, const double*
 std::size_t NormalEquations::CountPairs(const Graph& graph) {
   std::size_t pairs = 0;
   for (FactorId id = 0; id < graph.FactorCount(); ++id) {
-    const std::size_t blocks = graph.FactorAt(id).variables.size();
+    const std::size_t blocks = graph.VariablesOf(id).size();
     pairs += blocks * (blocks - 1) / 2;
   }
   return pairs;
@@ -66,7 +66,7 @@ NormalEquations::NormalEquations(const Evaluation& evaluation, const std::option
   links_.reserve(graph.FactorCount());
   std::size_t largest = 0;
   for (FactorId id = 0; id < graph.FactorCount(); ++id) {
-    const Span<const VariableId> variables = graph.FactorAt(id).variables;
+    const Span<const VariableId> variables = graph.VariablesOf(id);
     firsts_.push_back(nodes_.size());
     links_.push_back(links.size());
     std::size_t columns = 1;
@@ -105,7 +105,7 @@ bool NormalEquations::Linearise(const double* data, double* objective) {
       evaluation_.Blocks(id, data, &blocks);
       jacobians.clear();
       double* next = scratch_.data() + rows;
-      const Span<const VariableId> variables = graph.FactorAt(id).variables;
+      const Span<const VariableId> variables = graph.VariablesOf(id);
       for (std::size_t i = 0; i < variables.size(); ++i) {
         jacobians.push_back(nodes_[firsts_[id] + i] == kHeld ? nullptr : next);
         next += rows * graph.TypeOf(variables[i]).TangentSize();
@@ -115,7 +115,7 @@ bool NormalEquations::Linearise(const double* data, double* objective) {
     }
     double chi2 = 0, rho[3];
     for (int r = 0; r < rows; ++r) chi2 += residual[r] * residual[r];
-    EvaluateLoss(replaced_.value_or(graph.FactorAt(id).loss), chi2, rho);
+    EvaluateLoss(replaced_.value_or(graph.LossOf(id)), chi2, rho);
     *objective += 0.5 * rho[0];
     Add(id, residual, residual + rows, rho[1]);
   }
@@ -126,7 +126,7 @@ void NormalEquations::Add(FactorId id, const double* residual, const double* jac
                           double weight) {
   const Graph& graph = evaluation_.TheGraph();
   const int rows = graph.ResidualSize(id);
-  const Span<const VariableId> variables = graph.FactorAt(id).variables;
+  const Span<const VariableId> variables = graph.VariablesOf(id);
   const int* nodes = nodes_.data() + firsts_[id];
   std::size_t link = links_[id];
   const double* b = jacobians;
@@ -164,7 +164,7 @@ bool NormalEquations::Objective(const double* data, double* objective) {
       chi2 = evaluation_.Chi2(id, data);
       if (std::isnan(chi2)) return false;
     }
-    EvaluateLoss(replaced_.value_or(graph.FactorAt(id).loss), chi2, rho);
+    EvaluateLoss(replaced_.value_or(graph.LossOf(id)), chi2, rho);
     *objective += 0.5 * rho[0];
   }
   return true;

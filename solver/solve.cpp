@@ -178,7 +178,7 @@ std::vector<double> Objectives(const Graph& graph, const std::vector<const Value
   for (const Values* candidate : values) {
     double objective = 0, rho[3];
     for (FactorId id = 0; id < graph.FactorCount(); ++id) {
-      EvaluateLoss(graph.FactorAt(id).loss, evaluation.Chi2(id, candidate->Data().data()), rho);
+      EvaluateLoss(graph.LossOf(id), evaluation.Chi2(id, candidate->Data().data()), rho);
       objective += 0.5 * rho[0];
     }
     objectives.push_back(objective);
