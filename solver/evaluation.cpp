@@ -22,9 +22,9 @@ std::string Describe(const Graph& graph, FactorId id) {
   return text + (factor.variables.size() > 4 ? " ...)" : ")");
 }
 
-void RefuseUnknownTypes(const Graph& graph) {
+void RefuseUnknownTypes(const Graph& graph, FactorId first_factor, VariableId first_variable) {
   std::map<std::string, std::size_t> missing;
-  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+  for (FactorId id = first_factor; id < graph.FactorCount(); ++id) {
     const FactorType* type = graph.FactorAt(id).type;
     if (!type->Known()) ++missing[type->name];
   }
@@ -37,7 +37,7 @@ void RefuseUnknownTypes(const Graph& graph) {
               std::to_string(count) + (count == 1 ? " factor needs it" : " factors need it");
     throw Error(text + " (plug-ins are looked for in " + folders + ")", ErrorKind::kMissingType);
   }
-  for (VariableId id = 0; id < graph.VariableCount(); ++id)
+  for (VariableId id = first_variable; id < graph.VariableCount(); ++id)
     if (!graph.TypeOf(id).known)
       throw Error("variable type " + graph.TypeOf(id).name + " is not loaded; " +
                       graph.KeyOf(id).ToString() + " is one",
@@ -77,33 +77,39 @@ bool AllFinite(const double* values, int count) {
 
 }  // namespace
 
-Evaluation::Evaluation(const Graph& graph) : graph_(graph) {
-  RefuseUnknownTypes(graph);
+Evaluation::Evaluation(const Graph& graph) : graph_(graph) { Grow(); }
+
+void Evaluation::Grow() {
+  const Graph& graph = graph_;
+  const std::size_t known = instances_.size();
+  RefuseUnknownTypes(graph, static_cast<FactorId>(known), variables_);
   instances_.resize(graph.FactorCount());
-  whiteners_.resize(graph.NoiseCount());
   std::vector<bool> whitened(graph.NoiseCount(), false);
+  const std::size_t known_noises = whiteners_.size();
+  std::fill_n(whitened.begin(), known_noises, true);
+  whiteners_.resize(graph.NoiseCount());
   std::string why;
-  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+  for (auto id = static_cast<FactorId>(known); id < graph.FactorCount(); ++id) {
     const FactorView factor = graph.FactorAt(id);
     const graticule_measurement measurement = {sizeof(graticule_measurement),
                                                static_cast<std::int32_t>(factor.measurement.size()),
                                                factor.measurement.data()};
     std::int32_t residual_size = graph.ResidualSize(id);
-    instances_[id].table = factor.type->table;
-    instances_[id].self =
+    Instance& instance = instances_[id];
+    instance.table = factor.type->table;
+    instance.self =
         CreateFactor(*factor.type->table, measurement,
                      static_cast<std::int32_t>(factor.variables.size()), &residual_size, &why);
-    instances_[id].noise = factor.noise_id;
-    instances_[id].is_plain = factor.type->HasTangentJacobians();
-    if (!instances_[id].is_plain)
-      instances_[id].is_plain =
-          std::none_of(factor.variables.begin(), factor.variables.end(),
-                       [&](VariableId variable) { return graph.TypeOf(variable).manifold; });
+    instance.noise = factor.noise_id;
+    instance.is_plain = factor.type->HasTangentJacobians() ||
+                        std::none_of(factor.variables.begin(), factor.variables.end(),
+                                     [&](VariableId v) { return graph.TypeOf(v).manifold; });
     const bool repeated = HasRepeatedKey(factor);
-    if (!instances_[id].self || residual_size != graph.ResidualSize(id) || repeated) {
+    if (!instance.self || residual_size != graph.ResidualSize(id) || repeated) {
       if (repeated) why = "the same key twice";
       if (why.empty()) why = "it changed its number of residuals";
-      Destroy();
+      Destroy(known);
+      whiteners_.resize(known_noises);
       throw Error(Describe(graph, id) + ": " + why);
     }
     if (!whitened[factor.noise_id]) {
@@ -111,15 +117,15 @@ Evaluation::Evaluation(const Graph& graph) : graph_(graph) {
       whitened[factor.noise_id] = true;
     }
   }
+  variables_ = static_cast<VariableId>(graph.VariableCount());
 }
 
-Evaluation::~Evaluation() { Destroy(); }
+Evaluation::~Evaluation() { Destroy(0); }
 
-void Evaluation::Destroy() {
-  for (Instance& instance : instances_) {
-    if (instance.self) instance.table->destroy(instance.self);
-    instance.self = nullptr;
-  }
+void Evaluation::Destroy(std::size_t from) {
+  for (std::size_t id = from; id < instances_.size(); ++id)
+    if (instances_[id].self) instances_[id].table->destroy(instances_[id].self);
+  instances_.resize(from);
 }
 
 bool Evaluation::Fail(FactorId id, const std::string& why) const {

@@ -18,6 +18,9 @@ class Evaluation {
   /// need it), kInput where a factor refuses its data.
   explicit Evaluation(const Graph& graph);
   ~Evaluation();
+  /// Takes in what the graph has beyond what was there.  Throws as the constructor; then nothing
+  /// was taken in.
+  void Grow();
   Evaluation(const Evaluation&) = delete;
   Evaluation& operator=(const Evaluation&) = delete;
 
@@ -57,12 +60,13 @@ class Evaluation {
                      bool whiten) const;
   bool Evaluate(FactorId id, const double* const* blocks, double* residual, double** jacobians,
                 const int* strides, bool whiten) const;
-  void Destroy();
+  void Destroy(std::size_t from);
   bool Fail(FactorId id, const std::string& why) const;
 
   const Graph& graph_;
   std::vector<Instance> instances_;
   std::vector<Whitener> whiteners_;  // by noise id
+  VariableId variables_ = 0;         // known to be of known types
   mutable std::mutex failure_mutex_;
   static constexpr FactorId kNone = 0xffffffffu;
   mutable FactorId failed_ = kNone;

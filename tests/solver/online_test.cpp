@@ -1,0 +1,242 @@
+// A graph solved as it grows, against the same graph solved at once.
+
+#include "graticule/solver/online.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "expect_error.hpp"
+#include "graticule/solver/marginals.hpp"
+#include "graticule/solver/solve.hpp"
+#include "problems.hpp"
+
+namespace graticule {
+namespace {
+
+using testing::ExpectError;
+using testing::Numbers;
+using testing::Se2Loop;
+using testing::Se3Loop;
+using testing::TestTypes;
+
+Numbers ValueOf(const Graph& graph, VariableId id) {
+  return {graph.ValueOf(id).begin(), graph.ValueOf(id).end()};
+}
+
+// A variable at a time, with every factor that it completes.
+template <class AfterEach>
+void Replay(const Graph& graph, Online* online, AfterEach&& after_each) {
+  std::vector<std::vector<FactorId>> arrivals(graph.VariableCount());
+  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+    VariableId last = 0;
+    for (const VariableId variable : graph.VariablesOf(id)) last = std::max(last, variable);
+    arrivals[last].push_back(id);
+  }
+  for (VariableId id = 0; id < graph.VariableCount(); ++id) {
+    online->Add(graph.KeyOf(id), graph.TypeOf(id).name, ValueOf(graph, id), graph.IsFixed(id));
+    for (const FactorId factor : arrivals[id]) online->Add(graph.FactorRecord(factor));
+    after_each(id, online->Update());
+  }
+}
+
+void Replay(const Graph& graph, Online* online) {
+  Replay(graph, online, [](VariableId, const OnlineReport&) {});
+}
+
+double ObjectiveOf(const Graph& graph, const Values& values) {
+  return Objectives(graph, {&values})[0];
+}
+
+// Chords across a loop, so that the tree branches.
+Graph WithChords(Graph graph, bool planar) {
+  const auto count = static_cast<unsigned>(graph.VariableCount());
+  for (unsigned i = 0; i < count; i += 3) {
+    const unsigned j = (i * 7 + 11) % count;
+    if (i == j) continue;
+    const Numbers a = testing::Circle(count)[i], b = testing::Circle(count)[j];
+    if (planar)
+      graph.Add(BetweenSe2Factor(Key("pose", i), Key("pose", j), testing::Relative(a, b),
+                                 Noise::Sigmas({0.2, 0.2, 0.1}), "loop"));
+  }
+  return graph;
+}
+
+TEST(Online, WithoutShortCutsFollowsGaussNewtonToTheMinimum) {
+  for (const bool planar : {true, false}) {
+    const Graph graph =
+        planar ? WithChords(Se2Loop(60, 0.02, 0.02), true) : Se3Loop(40, 0.02, 0.02);
+    OnlineOptions options;
+    options.relinearise_above = 0;
+    options.relinearise_every = 1;
+    options.propagate_above = 0;
+    Online online(TestTypes(), options);
+    Replay(graph, &online);
+    for (int i = 0; i < 10; ++i) online.Update();
+    SolveOptions to;
+    to.function_tolerance = 1e-15;
+    const Solution batch = Solve(online.Problem(), to);
+    const double objective = ObjectiveOf(online.Problem(), *online.Latest());
+    EXPECT_NEAR(objective, batch.report.final_objective, 1e-9 * objective);
+  }
+}
+
+TEST(Online, StaysNearTheMinimumAndReachesItWhereAsked) {
+  const Graph graph = WithChords(Se2Loop(200, 0.02, 0.02), true);
+  Online online(TestTypes());
+  std::size_t exact = 0;
+  Replay(graph, &online, [&](VariableId id, const OnlineReport& report) {
+    EXPECT_EQ(report.new_variables, 1u);
+    if (id % 40 != 39) return;
+    const Graph problem = online.Problem();
+    const double near = ObjectiveOf(problem, *online.Latest());
+    const double batch = Solve(problem).report.final_objective;
+    EXPECT_LE(near, 1.05 * batch + 0.01);
+    const OnlineReport there = online.UpdateExactly();
+    EXPECT_NEAR(there.objective, batch, 1e-6 * batch + 1e-12);
+    EXPECT_NEAR(ObjectiveOf(problem, *online.Latest()), batch, 1e-6 * batch + 1e-12);
+    ++exact;
+  });
+  EXPECT_EQ(exact, 5u);
+}
+
+TEST(Online, TouchesOnlyWhatChanges) {
+  const Graph graph = Se2Loop(300, 0.02, 0.0);  // the loop closes with the last pose
+  OnlineOptions options;
+  options.relinearise_above = 1e9;
+  Online online(TestTypes(), options);
+  Replay(graph, &online, [&](VariableId id, const OnlineReport& report) {
+    if (id + 1 < 300)
+      EXPECT_LE(report.eliminated, 3u) << "an odometry step, at " << id;
+    else
+      EXPECT_GT(report.changed, 3u);
+  });
+}
+
+TEST(Online, KnowsTheCovarianceThatMarginalsKnow) {
+  const Graph graph = WithChords(Se2Loop(50, 0.02, 0.02), true);
+  Online online(TestTypes());
+  Replay(graph, &online);
+  online.UpdateExactly();
+  const Graph problem = online.Problem();
+  std::vector<Key> keys;
+  for (VariableId id = 0; id < 50; ++id) keys.push_back(problem.KeyOf(id));
+  const auto found = ComputeMarginals(problem, *online.Latest(), keys, false);
+  const auto& marginals = std::get<Marginals>(found);
+  for (const Key& key : keys) {
+    const std::vector<double> expected = marginals.Covariance(key, key);
+    const std::vector<double> covariance = online.Covariance(key);
+    ASSERT_EQ(covariance.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_NEAR(covariance[i], expected[i], 1e-9) << key.ToString();
+  }
+}
+
+TEST(Online, LetsGoOfItsAnchorWhereAPriorComesLate) {
+  const Graph graph = Se2Loop(30, 0.02, 0.02);
+  Online online(TestTypes());
+  Replay(graph, &online);
+  EXPECT_EQ(online.Covariance(Key("pose:0")), Numbers(9, 0.0));
+  Factor prior{"prior_se2/1", {Key("pose:20")}, {100, 50, 1}, Noise::Sigma(0.1), {}, "gnss"};
+  online.Add(prior);
+  online.Update();
+  EXPECT_GT(online.Covariance(Key("pose:0"))[0], 0.001);
+  online.UpdateExactly();
+  EXPECT_NEAR(online.Latest()->At(Key("pose:20"))[0], 100, 1e-3);
+  EXPECT_NEAR(online.Latest()->At(Key("pose:20"))[1], 50, 1e-3);
+}
+
+TEST(Online, HoldsWhatNothingDeterminesUntilSomethingDoes) {
+  Online online(TestTypes());
+  online.Add(Key("a:0"), "se2/1", {0, 0, 0});
+  online.Update();
+  // Another robot, not yet met.
+  online.Add(Key("b:0"), "se2/1", {7, 8, 1});
+  online.Add(Key("b:1"), "se2/1", {8, 8, 1});
+  online.Add(BetweenSe2Factor(Key("b:0"), Key("b:1"), {1, 0, 0}, Noise::Sigma(0.1), "odometry"));
+  const OnlineReport loose = online.Update();
+  EXPECT_FALSE(loose.loose.empty());
+  for (const Key& key : loose.loose) EXPECT_EQ(key.Family(), "b");
+  EXPECT_NEAR(online.Latest()->At(Key("b:0"))[0], 7, 1);
+  online.Add(BetweenSe2Factor(Key("a:0"), Key("b:0"), {2, 3, 0.5}, Noise::Sigma(0.1), "meeting"));
+  EXPECT_TRUE(online.Update().loose.empty());
+  online.UpdateExactly();
+  EXPECT_NEAR(online.Latest()->At(Key("b:0"))[0], 2, 1e-6);
+  EXPECT_NEAR(online.Latest()->At(Key("b:1"))[0], 2 + std::cos(0.5), 1e-6);
+}
+
+TEST(Online, FreezesAPartOfTheMap) {
+  const Graph graph = WithChords(Se2Loop(60, 0.02, 0.02), true);
+  Online online(TestTypes());
+  std::vector<Numbers> frozen;
+  Replay(graph, &online, [&](VariableId id, const OnlineReport&) {
+    if (id != 29) return;
+    std::vector<Key> keys;
+    for (unsigned i = 0; i < 20; ++i) keys.push_back(Key("pose", i));
+    const auto before = online.Latest();
+    for (const Key& key : keys) frozen.emplace_back(before->At(key).begin(), before->At(key).end());
+    online.Freeze(keys);
+  });
+  online.UpdateExactly();
+  for (unsigned i = 0; i < 20; ++i) {
+    const Span<const double> value = online.Latest()->At(Key("pose", i));
+    EXPECT_EQ(Numbers(value.begin(), value.end()), frozen[i]);
+    EXPECT_EQ(online.Covariance(Key("pose", i)), Numbers(9, 0.0));
+  }
+  const Graph problem = online.Problem();
+  EXPECT_TRUE(problem.IsFixed(problem.IdOf(Key("pose:7"))));
+  const double batch = Solve(problem).report.final_objective;
+  EXPECT_NEAR(ObjectiveOf(problem, *online.Latest()), batch, 1e-6 * batch);
+}
+
+TEST(Online, GivesTheSameDigitsEachTime) {
+  const Graph graph = WithChords(Se2Loop(120, 0.02, 0.05), true);
+  Online first(TestTypes()), second(TestTypes());
+  Replay(graph, &first);
+  Replay(graph, &second);
+  EXPECT_EQ(first.Latest()->Data(), second.Latest()->Data());
+}
+
+TEST(Online, IsReadWhileItIsUpdated) {
+  const Graph graph = WithChords(Se2Loop(200, 0.02, 0.02), true);
+  Online online(TestTypes());
+  EXPECT_EQ(online.Latest(), nullptr);
+  std::atomic<bool> done{false};
+  std::size_t seen = 0, reads = 0;
+  std::thread reader([&] {
+    while (!done) {
+      const auto latest = online.Latest();
+      if (!latest) continue;
+      EXPECT_GE(latest->Count(), seen) << "values never go back";
+      seen = latest->Count();
+      double sum = 0;
+      for (VariableId id = 0; id < latest->Count(); ++id) sum += (*latest)[id][0];
+      EXPECT_TRUE(std::isfinite(sum));
+      EXPECT_TRUE(latest->Has(Key("pose:0")));
+      ++reads;
+    }
+  });
+  Replay(graph, &online);
+  done = true;
+  reader.join();
+  EXPECT_GT(reads, 0u);
+  EXPECT_EQ(online.Latest()->Count(), 200u);
+}
+
+TEST(Online, KeepsWhatItHasWhereAFactorCannotBeEvaluated) {
+  Online online(TestTypes());
+  online.Add(Key("x:0"), "vector1/1", {2});
+  online.Add({"log/1", {Key("x:0")}, {0}, Noise::Unit(), {}, ""});
+  online.UpdateExactly();
+  EXPECT_NEAR(online.Latest()->At(Key("x:0"))[0], 1, 1e-6);
+  online.Add(Key("x:1"), "vector1/1", {-1});
+  online.Add({"log/1", {Key("x:1")}, {0}, Noise::Unit(), {}, ""});
+  ExpectError(ErrorKind::kOther, {"log/1", "x:1"}, [&] { online.Update(); });
+  EXPECT_NEAR(online.Latest()->At(Key("x:0"))[0], 1, 1e-6);
+  EXPECT_FALSE(online.Latest()->Has(Key("x:1")));
+  ExpectError(ErrorKind::kInput, {"x:7"}, [&] { online.Covariance(Key("x:7")); });
+}
+
+}  // namespace
+}  // namespace graticule
