@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <cstdio>
 #include <exception>
@@ -7,8 +8,21 @@
 #include "arguments.hpp"
 #include "console.hpp"
 
+namespace {
+
+// Memory that was let go is used again: by default glibc gives large pieces back to the kernel at
+// once and has them cleared anew, which costs a small problem a tenth of its time.
+void KeepMemory() {
+  mallopt(M_MMAP_THRESHOLD, 1 << 28);
+  mallopt(M_TRIM_THRESHOLD, 1 << 28);
+  mallopt(M_TOP_PAD, 1 << 24);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace graticule;
+  KeepMemory();
   const apps::Console console;
   int code = apps::kInternal;
   try {

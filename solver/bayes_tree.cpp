@@ -207,8 +207,8 @@ void BayesTree::Order(Part* part) {
   std::vector<int> group(count, 0), order(count);
   if (part->recent < count)
     std::fill(group.end() - static_cast<std::ptrdiff_t>(part->recent), group.end(), 1);
-  // cholmod_camd (3.0.14) keeps pointers into a workspace that cholmod_aat, inside it, lets go where
-  // there are more columns than it reckoned with: so it is made large enough beforehand.
+  // cholmod_camd (3.0.14) keeps pointers into a workspace that cholmod_aat, inside it, lets go
+  // where there are more columns than it reckoned with: so it is made large enough beforehand.
   if (!cholmod_allocate_work(count, 8 * count + view.ncol, 0, cholmod_()))
     throw Error("CHOLMOD ran out of memory", ErrorKind::kOther);
   if (cholmod_camd(&view, nullptr, 0, group.data(), order.data(), cholmod_())) {

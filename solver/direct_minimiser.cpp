@@ -77,6 +77,11 @@ class DirectMinimiser::Machine {
 
   void Run(const Observer& watch, Report* report);
 
+  std::vector<double> initial_chi2;
+  std::vector<double> FinalChi2() const {
+    return is_current_ ? equations_.Chi2() : std::vector<double>();
+  }
+
  private:
   bool IsUndamped() const { return options_.method == Method::kGaussNewton; }
   double Tolerance() const { return options_.function_tolerance * objective_; }
@@ -256,12 +261,14 @@ void DirectMinimiser::Machine::Run(const Observer& watch, Report* report) {
   most_radius_ = std::max(radius_, options_.max_trust_region_radius);
 
   if (!Linearise(x_, &objective_)) {
+    is_current_ = false;
     End(Termination::kFailed, "the initial residuals and Jacobians could not be evaluated");
     return;
   }
   equations_.System().CopyDiagonal(&diagonal_);
   damping_.Prepare(options_, diagonal_);
   report->initial_objective = objective_;
+  initial_chi2 = equations_.Chi2();
   row_.gradient_max_norm = LargestOf(equations_.Gradient());
   if (Record(watch)) return;
 
@@ -337,5 +344,9 @@ DirectMinimiser::DirectMinimiser(const Evaluation& evaluation, const SolveOption
 DirectMinimiser::~DirectMinimiser() = default;
 
 void DirectMinimiser::Run(const Observer& watch, Report* report) { machine_->Run(watch, report); }
+
+std::vector<double> DirectMinimiser::TakeInitialChi2() { return std::move(machine_->initial_chi2); }
+
+std::vector<double> DirectMinimiser::TakeFinalChi2() { return machine_->FinalChi2(); }
 
 }  // namespace graticule

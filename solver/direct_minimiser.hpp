@@ -31,6 +31,10 @@ class DirectMinimiser {
   /// As CeresBridge.
   void Run(const Observer& watch, Report* report);
 
+  /// r' r of every factor before and after; empty where it is not known.
+  std::vector<double> TakeInitialChi2();
+  std::vector<double> TakeFinalChi2();
+
  private:
   class Machine;
   std::unique_ptr<Machine> machine_;

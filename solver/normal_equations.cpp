@@ -81,6 +81,7 @@ NormalEquations::NormalEquations(const Evaluation& evaluation, const std::option
   }
   system_ = std::make_unique<BlockSystem>(std::move(sizes), links);
   gradient_.resize(static_cast<std::size_t>(system_->Size()));
+  chi2_.resize(graph.FactorCount());
   scratch_.resize(largest);
   if (threads > 1)
     parallel_ = std::make_unique<ParallelEvaluation>(evaluation,
@@ -116,6 +117,7 @@ bool NormalEquations::Linearise(const double* data, double* objective) {
     double chi2 = 0, rho[3];
     for (int r = 0; r < rows; ++r) chi2 += residual[r] * residual[r];
     EvaluateLoss(replaced_.value_or(graph.LossOf(id)), chi2, rho);
+    chi2_[id] = chi2;
     *objective += 0.5 * rho[0];
     Add(id, residual, residual + rows, rho[1]);
   }

@@ -31,6 +31,8 @@ class NormalEquations {
   BlockSystem& System() { return *system_; }
   /// J' r where the equations were last made.
   const std::vector<double>& Gradient() const { return gradient_; }
+  /// r' r of every factor there.
+  const std::vector<double>& Chi2() const { return chi2_; }
 
   /// Makes the equations at `data`, laid out as the graph's values.  Gives 0.5 sum rho(r' r); false
   /// where a factor cannot be evaluated.
@@ -53,7 +55,7 @@ class NormalEquations {
   std::vector<int> nodes_;           // a factor's blocks, one factor after the other; kHeld
   std::vector<std::size_t> firsts_;  // by factor: into nodes_
   std::vector<std::size_t> links_;   // by factor: the first of its pairs of free blocks
-  std::vector<double> gradient_;
+  std::vector<double> gradient_, chi2_;
   std::vector<double> scratch_;  // residual and Jacobians of one factor
   std::unique_ptr<BlockSystem> system_;
   int threads_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -135,19 +136,23 @@ Solution Solve(const Graph& graph, const SolveOptions& options, const Observer& 
 
   solution.values = graph.InitialValues();
   std::vector<double>* data = &solution.values.MutableData();
-  std::vector<double> initial;
-  const auto run = [&](auto&& minimiser) {
+  std::vector<double> initial, final;
+  if (IsDirect(graph, options, is_held)) {
+    DirectMinimiser minimiser(evaluation, options, replaced, is_held, data);
+    report.timing.build = clock.Lap();
+    minimiser.Run(watch, &report);
+    initial = minimiser.TakeInitialChi2();
+    final = minimiser.TakeFinalChi2();
+  } else {
+    CeresBridge bridge(evaluation, options, replaced, is_held, data);
     report.timing.build = clock.Lap();
     initial = AllChi2(evaluation, data->data());
-    minimiser.Run(watch, &report);
-  };
-  if (IsDirect(graph, options, is_held))
-    run(DirectMinimiser(evaluation, options, replaced, is_held, data));
-  else
-    run(CeresBridge(evaluation, options, replaced, is_held, data));
+    bridge.Run(watch, &report);
+  }
   if (report.termination == Termination::kFailed && !evaluation.FirstFailure().empty())
     report.message = evaluation.FirstFailure();
-  const std::vector<double> final = AllChi2(evaluation, solution.values.Data().data());
+  if (initial.empty()) initial = AllChi2(evaluation, graph.InitialValues().Data().data());
+  if (final.empty()) final = AllChi2(evaluation, solution.values.Data().data());
   AddCosts(graph, initial, final, &report);
   AddWorst(graph, final, replaced, &report);
   report.variables = graph.VariableCount();
@@ -171,16 +176,20 @@ std::vector<double> FactorChi2(const Graph& graph, const Values& values) {
   return AllChi2(evaluation, values.Data().data());
 }
 
-std::vector<double> Objectives(const Graph& graph, const std::vector<const Values*>& values) {
+std::vector<double> Objectives(const Graph& graph, const std::vector<const Values*>& values,
+                               bool only_the_least) {
   for (const Values* candidate : values) graph.CheckLayout(*candidate);
   const Evaluation evaluation(graph);
   std::vector<double> objectives;
+  double enough = std::numeric_limits<double>::infinity();
   for (const Values* candidate : values) {
     double objective = 0, rho[3];
     for (FactorId id = 0; id < graph.FactorCount(); ++id) {
       EvaluateLoss(graph.LossOf(id), evaluation.Chi2(id, candidate->Data().data()), rho);
       objective += 0.5 * rho[0];
+      if (objective > enough) break;
     }
+    if (only_the_least && objective < enough) enough = objective;
     objectives.push_back(objective);
   }
   return objectives;

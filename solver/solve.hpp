@@ -35,7 +35,10 @@ Solution Solve(const Graph& graph, const SolveOptions& options = {}, const Obser
 std::vector<double> FactorChi2(const Graph& graph, const Values& values);
 
 /// 0.5 sum rho(r' W r), what Solve minimises, at each of several values: cheaper than one by one.
-/// nan where a factor cannot be evaluated.  Throws Error as Solve does.
-std::vector<double> Objectives(const Graph& graph, const std::vector<const Values*>& values);
+/// nan where a factor cannot be evaluated.  With `only_the_least`, a sum is given up where it
+/// passes the least before it: what is returned is then that much of it.  Throws Error as Solve
+/// does.
+std::vector<double> Objectives(const Graph& graph, const std::vector<const Values*>& values,
+                               bool only_the_least = false);
 
 }  // namespace graticule

@@ -26,7 +26,8 @@ struct InitialiseOptions {
 /// The one description of InitialiseOptions.
 const std::vector<OptionRow<InitialiseOptions>>& InitialiseOptionTable();
 
-/// What a candidate would begin with: 0.5 sum rho(r' W r), nan where it cannot be evaluated.
+/// What a candidate would begin with: 0.5 sum rho(r' W r), nan where it cannot be evaluated.  Of
+/// one that was not chosen, as much of it as told.
 struct InitialCost {
   InitialGuess guess;
   double cost;

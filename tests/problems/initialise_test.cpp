@@ -148,8 +148,8 @@ TEST(Initialise, AutomaticKeepsASolvedFileAndSaysWhatItChoseFrom) {
     const InitialiseReport first = Initialise(&city.graph, InitialGuess::kAutomatic, true);
     EXPECT_EQ(first.used, InitialGuess::kChordal) << first.summary;
     ASSERT_EQ(first.candidates.size(), 3u);
-    EXPECT_EQ(first.candidates[0].guess, InitialGuess::kFile);
-    EXPECT_NE(first.summary.find("of the costs file"), std::string::npos) << first.summary;
+    EXPECT_EQ(first.candidates[1].guess, InitialGuess::kFile);
+    EXPECT_NE(first.summary.find("of the costs chordal"), std::string::npos) << first.summary;
 
     city.graph.SetValues(Solve(city.graph).values);
     const Values solved = city.graph.InitialValues();
