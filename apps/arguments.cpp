@@ -38,6 +38,9 @@ void AddReading(CLI::App* sub, Reading* reading) {
       ->check(CLI::IsMember({"half", "double", "full"}));
   sub->add_flag("--skip-unknown", reading->skip_unknown,
                 "go on past tags that are not known, and say which");
+  sub->add_flag("--repair-information", reading->repair_information,
+                "project information matrices that are not positive definite onto the nearest that "
+                "are, and say how many");
 }
 
 void AddChoosing(CLI::App* sub, Choosing* choosing) {

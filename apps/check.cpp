@@ -26,7 +26,10 @@ int Run(const CheckCommand& command, const Console& console) {
   Initialise(&graph, InitialGuess::kAutomatic, recording.has_initial_guess);
   nlohmann::ordered_json json;
   json["file"] = command.file;
+  json["repaired_information"] = nlohmann::ordered_json::parse(RepairedJson(recording.repaired));
   int exit = kDone;
+  if (recording.repaired && !command.json)
+    fmt::print("repaired   {}\n", ToString(*recording.repaired));
 
   const std::vector<JacobianCheck> checks = About(command.file, [&] {
     return CheckJacobians(graph, graph.InitialValues(), command.tolerance);

@@ -13,6 +13,7 @@ struct Reading {
   std::vector<std::string> plugins;
   std::string g2o_rotation;  ///< "half", "double", "full"; "" as the file says, else half
   bool skip_unknown = false;
+  bool repair_information = false;
 };
 
 /// Which configuration, and what is changed in it.

@@ -53,6 +53,7 @@ Report RunOnce(const std::string& file, const Reading& reading, const Registry& 
   Initialise(&recording.graph, configuration.initialise.initialise, recording.has_initial_guess);
   const PhaseTime initialise = clock.Lap();
   Report report = Solve(recording.graph, configuration.solve, Watch(console, what)).report;
+  if (recording.repaired) report.warnings.push_back(ToString(*recording.repaired));
   report.timing.load = load;
   report.timing.initialise = initialise;
   report.timing.total = total.Elapsed();
@@ -152,9 +153,10 @@ int Run(const CompareCommand& command, const Console& console) {
   {
     const Interruptible interruptible;
     for (const std::string& file : command.files) {
+      std::optional<RepairedInformation> repaired;
       try {
-        Load(file, command.reading, types,
-             console);  // once: a file that is refused is refused once
+        // Once: a file that is refused is refused once.
+        repaired = Load(file, command.reading, types, console).repaired;
       } catch (const graticule::Error& error) {
         console.Error(error.what());
         refused.push_back(ExitOf(error.Kind()));
@@ -163,6 +165,7 @@ int Run(const CompareCommand& command, const Console& console) {
       for (const Configuration& configuration : configurations) {
         if (Interruptible::WasAsked()) break;
         comparison.runs.push_back(Repeat(file, command, types, configuration, console));
+        comparison.runs.back().repaired = repaired;
         console.Progress("");
         if (!comparison.runs.back().error.empty())
           console.Error(fmt::format("{} with {}: {}", file, configuration.name,

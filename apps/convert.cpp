@@ -9,7 +9,9 @@ int Run(const ConvertCommand& command, const Console& console) {
   ExpectEnding(command.output, "OUT", ProblemEndings());
   ExpectWritable(command.output);
   Recording recording = Load(command.input, command.reading, LoadTypes(command.reading), console);
-  if (recording.made_by.empty()) recording.made_by = MadeBy("convert " + command.input);
+  if (recording.made_by.empty())
+    recording.made_by =
+        MadeBy("convert " + command.input + (recording.repaired ? " --repair-information" : ""));
   WriteOptions options;
   options.binary = command.binary;
   for (const std::string& note : WriteProblem(command.output, recording, options))

@@ -155,6 +155,7 @@ int Run(const InspectCommand& command, const Console& console) {
   json["solved_by"] = recording.solved_by;
   json["frames"] = recording.frames;
   json["has_initial_guess"] = recording.has_initial_guess;
+  json["repaired_information"] = Json::parse(RepairedJson(recording.repaired));
   std::size_t fixed = 0, residuals = 0;
   for (VariableId id = 0; id < graph.VariableCount(); ++id) fixed += graph.IsFixed(id);
   for (FactorId id = 0; id < graph.FactorCount(); ++id)
@@ -179,6 +180,7 @@ int Run(const InspectCommand& command, const Console& console) {
     fmt::print("{}\n", json.dump(1));
   } else {
     Print(json);
+    if (recording.repaired) fmt::print("  repaired   {}\n", ToString(*recording.repaired));
   }
   return kDone;
 }

@@ -39,11 +39,13 @@ Recording Load(const std::string& file, const Reading& reading, const Registry& 
                const Console& console) {
   ReadOptions options;
   options.skip_unknown = reading.skip_unknown;
+  options.repair_information = reading.repair_information;
   if (!reading.g2o_rotation.empty()) options.rotation = G2oRotationFromWord(reading.g2o_rotation);
   Recording recording = ReadProblem(file, types, options);
   for (const auto& [tag, count] : recording.skipped)
     console.Note(fmt::format("{}: skipped {} lines of {}", file, count, tag));
   for (const std::string& note : recording.notes) console.Note(file + ": " + note);
+  if (recording.repaired) console.Note(file + ": " + ToString(*recording.repaired));
   return recording;
 }
 

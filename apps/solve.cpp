@@ -139,6 +139,7 @@ int Run(const SolveCommand& command, const Console& console) {
   });
   console.Progress("");
   Report& report = solution.report;
+  if (recording.repaired) report.warnings.push_back(ToString(*recording.repaired));
   report.timing.load = load;
   report.timing.initialise = initialise;
   if (report.termination == Termination::kFailed) {
@@ -156,6 +157,7 @@ int Run(const SolveCommand& command, const Console& console) {
   context.file = command.file;
   context.configuration = configuration.name;
   context.initialisation = start.summary;
+  context.repaired = recording.repaired;
   recording.has_initial_guess = true;
   recording.solved_by = fmt::format("graticule {}, ceres {}: {}", Version(),
                                     report.provenance.size() > 1 ? report.provenance[1].second : "",

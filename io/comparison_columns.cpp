@@ -127,10 +127,13 @@ std::vector<ComparisonBlock> ComparisonBlocks(const Comparison& comparison) {
     auto block = std::find_if(blocks.begin(), blocks.end(), [&](const ComparisonBlock& candidate) {
       return candidate.file == run.file;
     });
-    if (block == blocks.end()) block = blocks.insert(blocks.end(), {run.file, {}, {}});
+    if (block == blocks.end()) block = blocks.insert(blocks.end(), {run.file, {}, {}, {}});
     block->runs.push_back(&run);
   }
   for (ComparisonBlock& block : blocks) {
+    const auto repaired = std::find_if(block.runs.begin(), block.runs.end(),
+                                       [](const Run* run) { return run->repaired.has_value(); });
+    if (repaired != block.runs.end()) block.remarks.push_back(ToString(*(*repaired)->repaired));
     block.columns.push_back(Text("configuration", block.runs,
                                  [](const Run& run) { return ComparisonCell{run.configuration}; }));
     for (const Definition& definition : kDefinitions) {

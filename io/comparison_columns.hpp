@@ -26,6 +26,7 @@ struct ComparisonBlock {
   std::string file;
   std::vector<const ComparisonRun*> runs;
   std::vector<ComparisonColumn> columns;  ///< those that say something
+  std::vector<std::string> remarks;       ///< about the file, a line each
 };
 
 /// One block for each file, in the order in which the files first come.  Points into `comparison`.

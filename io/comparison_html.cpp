@@ -107,6 +107,10 @@ std::string Errors(const ComparisonBlock& block) {
   return errors;
 }
 
+std::string Remarks(const ComparisonBlock& block) {
+  return block.remarks.empty() ? std::string() : html::List(block.remarks);
+}
+
 std::string SizeOf(const ComparisonBlock& block) {
   for (const ComparisonRun* run : block.runs)
     if (run->error.empty())
@@ -129,7 +133,8 @@ std::string ComparisonHtml(const Comparison& comparison) {
   }
   for (const ComparisonBlock& block : blocks) {
     const std::string more = Table(block, false);
-    body += html::Section(block.file, SizeOf(block) + Table(block, true) + Errors(block) +
+    body += html::Section(block.file, SizeOf(block) + Remarks(block) + Table(block, true) +
+                                          Errors(block) +
                                           (more.empty() ? "" : html::Details("More times", more)) +
                                           Convergence(block) + Phases(block));
   }

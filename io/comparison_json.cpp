@@ -25,6 +25,7 @@ Json RunJson(const ComparisonRun& run) {
   report.timing = run.median;
   ReportContext context;
   context.peak_memory_bytes = run.peak_memory_bytes;
+  context.repaired = run.repaired;
   const Json whole = Json::parse(ReportJson(report, context));
   for (const char* name : {"termination", "initial_cost", "final_cost", "final_objective",
                            "reduced_chi2", "iterations"})
@@ -37,6 +38,7 @@ Json RunJson(const ComparisonRun& run) {
   json["min_total_seconds"] = run.min_total_s;
   json["max_total_seconds"] = run.max_total_s;
   json["peak_memory_bytes"] = whole["peak_memory_bytes"];
+  json["repaired_information"] = whole["repaired_information"];
   json["ate_m"] = OrNull(run.ate_m);
   json["rpe_m"] = OrNull(run.rpe_m);
   json["report"] = Json::parse(ReportJson(run.report, context));

@@ -26,6 +26,18 @@ std::string Clip(const std::string& text, std::size_t width) {
   return line + "…";
 }
 
+// A remark on as many lines as it takes.
+std::string Wrapped(std::string text) {
+  std::string lines;
+  while (DisplayWidth(text) > kWidest) {
+    std::size_t cut = text.rfind(' ', kWidest);
+    if (cut == std::string::npos || cut == 0) break;
+    lines += Clip(text.substr(0, cut), kWidest) + "\n";
+    text.erase(0, cut + 1);
+  }
+  return lines + Clip(text, kWidest) + "\n";
+}
+
 std::string Padded(const std::string& text, std::size_t width, bool right) {
   const std::size_t used = DisplayWidth(text);
   const std::string pad(width > used ? width - used : 0, ' ');
@@ -85,6 +97,7 @@ std::string Table(const ComparisonBlock& block, bool colour) {
   }
   std::string table = Coloured(Clip(block.file, kWidest), "1", colour) + "\n";
   table += Coloured(head, "2", colour) + "\n" + body;
+  for (const std::string& remark : block.remarks) table += Wrapped(remark);
   for (const ComparisonRun* run : block.runs)
     if (!run->error.empty())
       table += Clip(run->configuration, kWidestName) + ": " +

@@ -5,6 +5,7 @@
 #include "graticule/io/g2o.hpp"
 #include "graticule/io/g2o_tags.hpp"
 #include "graticule/io/id_table.hpp"
+#include "graticule/io/information_guard.hpp"
 #include "graticule/io/skipped_tags.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -32,6 +33,7 @@ class Reader {
         options_(options),
         ids_(text.size()),
         skipped_(options.skip_unknown),
+        guard_(options.repair_information),
         rotation_(options.rotation.value_or(G2oRotation::kHalf)) {
     for (auto& type : edge_types_) type = kNoType;
     for (auto& type : vertex_types_) type = kNoType;
@@ -46,6 +48,7 @@ class Reader {
     if (recording_.graph.VariableCount() == 0)
       reader_.FailAt(0, reader_.Size() == 0 ? "the file is empty"
                                             : "there is no vertex and no edge in this g2o file");
+    guard_.Finish(reader_, &recording_);
     if (rotation_used_) recording_.g2o_rotation = rotation_;
     NamePoseSources(&recording_.graph);
     return std::move(recording_);
@@ -235,11 +238,12 @@ class Reader {
     try {
       int& type = edge_types_[row * 2 + (offset != nullptr)];
       if (type == kNoType) type = recording_.graph.FactorTypeId(tag.types[full][offset != nullptr]);
-      recording_.graph.Add(
-          static_cast<Graph::TypeId>(type), variables,
-          {measurement, static_cast<std::size_t>(size)},
-          {NoiseKind::kInformation, {information, static_cast<std::size_t>(entries)}}, Loss(),
-          source);
+      guard_.Try({NoiseKind::kInformation, {information, static_cast<std::size_t>(entries)}},
+                 reader_.LineOffset(), [&](NoiseView noise) {
+                   recording_.graph.Add(static_cast<Graph::TypeId>(type), variables,
+                                        {measurement, static_cast<std::size_t>(size)}, noise,
+                                        Loss(), source);
+                 });
     } catch (const Error& error) {
       RethrowAt(reader_, reader_.LineOffset(), error);
     }
@@ -263,6 +267,7 @@ class Reader {
   IdTable ids_;
   KeyComments keys_;
   SkippedTags skipped_;
+  InformationGuard guard_;
   G2oRotation rotation_;
   bool rotation_used_ = false;
   bool all_is_read_ = false;

@@ -83,7 +83,7 @@ Recording ParseProblem(std::string_view text, const std::string& path, const Reg
   }
   switch (*format) {
     case ProblemFormat::kRecording:
-      return ParseRecording(text, path, types);
+      return ParseRecording(text, path, types, options);
     case ProblemFormat::kG2o:
       return ParseG2o(text, path, types, options);
     case ProblemFormat::kToro:

@@ -17,12 +17,15 @@ std::string_view ToString(G2oRotation rotation);
 /// Empty if the word is none of these.
 std::optional<G2oRotation> G2oRotationFromWord(std::string_view word);
 
-/// How files of other tools are read.
+/// How problem files are read.
 struct ReadOptions {
   /// Lines whose first word is not known are counted and passed over instead of refused.
   bool skip_unknown = false;
   /// Overrules what the file's own comment says; without either: kHalf.
   std::optional<G2oRotation> rotation;
+  /// Information matrices that are not positive definite are projected (ProjectInformation) and
+  /// recorded, instead of refused.
+  bool repair_information = false;
 };
 
 }  // namespace graticule

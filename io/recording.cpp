@@ -249,7 +249,8 @@ std::size_t ReadFactorsLine(TextReader* reader) {
   reader->FailAt(reader->Offset(), "expected 'factors N' after the variables");
 }
 
-Recording ParseRecording(std::string_view text, const std::string& name, const Registry& types) {
+Recording ParseRecording(std::string_view text, const std::string& name, const Registry& types,
+                         const ReadOptions& options) {
   const TextReader whole(text, name);
   if (text.substr(0, kMagic.size()) != kMagic && text.find(kMagic) == std::string_view::npos)
     whole.FailAt(0, text.empty() ? "the file is empty"
@@ -263,9 +264,11 @@ Recording ParseRecording(std::string_view text, const std::string& name, const R
   Recording recording(types);
   HeaderReader header(&reader, &recording);
   const std::size_t variables = header.Read();
-  const std::size_t factors = header.Binary() ? ReadBinaryBody(&reader, body, name, header.Types(),
-                                                               variables, &recording.graph)
-                                              : ReadTextBody(&reader, variables, &recording.graph);
+  InformationGuard guard(options.repair_information);
+  const std::size_t factors =
+      header.Binary()
+          ? ReadBinaryBody(&reader, body, name, header.Types(), variables, &guard, &recording)
+          : ReadTextBody(&reader, variables, &guard, &recording);
   if (count != variables + factors)
     whole.FailAt(end, "'end' counts " + std::to_string(count) + " variables and factors, found " +
                           std::to_string(variables + factors));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "graticule/io/read_options.hpp"
+#include "graticule/io/repaired_information.hpp"
 #include "graticule/solver/graph.hpp"
 
 namespace graticule {
@@ -31,12 +32,16 @@ struct Recording {
   /// and remarks for the user.
   std::map<std::string, std::size_t> skipped;
   std::vector<std::string> notes;
+  /// Empty where no information matrix had to be repaired.
+  std::optional<RepairedInformation> repaired;
 };
 
 /// Reads a recorded problem, text or binary (docs/formats.md).  Types that the registry does not
 /// know are taken from the file's header.  Throws Error "name:line:column: ..." for anything that
-/// is not whole: cut short anywhere, checksum, counts, numbers, keys, schemas that differ.
-Recording ParseRecording(std::string_view text, const std::string& name, const Registry& types);
+/// is not whole: cut short anywhere, checksum, counts, numbers, keys, schemas that differ.  Of the
+/// options only `repair_information` matters here.
+Recording ParseRecording(std::string_view text, const std::string& name, const Registry& types,
+                         const ReadOptions& options = {});
 
 /// The recording as a file's contents.  The same recording gives the same bytes, and reading them
 /// gives the same graph to the last bit, as text and as binary.

@@ -87,8 +87,13 @@ void AppendDoubles(Span<const double> values, std::string* bytes) {
 
 class BodyReader {
  public:
-  BodyReader(ByteReader* bytes, const DeclaredTypes& types, Graph* graph)
-      : bytes_(*bytes), types_(types), graph_(*graph), last_noise_(types.factors.size()) {}
+  BodyReader(ByteReader* bytes, const DeclaredTypes& types, InformationGuard* guard, Graph* graph)
+      : bytes_(*bytes),
+        types_(types),
+        guard_(*guard),
+        graph_(*graph),
+        last_noise_(types.factors.size()),
+        is_repaired_(types.factors.size()) {}
 
   void ReadVariable() {
     const std::string_view family = bytes_.Text(bytes_.Number<std::uint8_t>());
@@ -114,6 +119,7 @@ class BodyReader {
       const auto kind = bytes_.Number<std::uint8_t>();
       if (kind > 2) bytes_.Fail("there is no noise number " + std::to_string(kind));
       noise.kind = static_cast<NoiseKind>(kind);
+      is_repaired_[declared] = false;
       bytes_.Doubles(bytes_.Number<std::uint32_t>(), &noise.values);
     }
     Loss loss;
@@ -130,7 +136,16 @@ class BodyReader {
       bytes_.Fail("there is no source number " + std::to_string(source));
     }
     const std::string& text = flags & kNewSource ? sources_.back() : sources_[source];
-    Guard([&] { graph_.Add(type, keys_, numbers_, noise.View(), loss, text); });
+    Guard([&] {
+      const bool good = guard_.Try(noise.View(), bytes_.Offset(), [&](NoiseView view) {
+        graph_.Add(type, keys_, numbers_, view, loss, text);
+      });
+      if (is_repaired_[declared]) guard_.CountAgain();
+      if (good) return;
+      // Those after it that share it need no second projection.
+      noise.values = guard_.Nearest();
+      is_repaired_[declared] = true;
+    });
   }
 
  private:
@@ -151,10 +166,12 @@ class BodyReader {
 
   ByteReader& bytes_;
   const DeclaredTypes& types_;
+  InformationGuard& guard_;
   Graph& graph_;
   std::vector<VariableId> keys_;
   std::vector<double> numbers_;
   std::vector<Noise> last_noise_;
+  std::vector<bool> is_repaired_;  // the last noise, of a factor type
   std::vector<std::string> sources_;
 };
 
@@ -177,13 +194,15 @@ class SourceNumbers {
 }  // namespace
 
 std::size_t ReadBinaryBody(TextReader* reader, std::string_view text, const std::string& name,
-                           const DeclaredTypes& types, std::size_t variables, Graph* graph) {
+                           const DeclaredTypes& types, std::size_t variables,
+                           InformationGuard* guard, Recording* recording) {
+  Graph* graph = &recording->graph;
   ByteReader bytes(text, name);
   bytes.Seek(reader->Offset() + 1);  // past the line's end
   if (variables > bytes.Left() / kSmallestVariable)
     bytes.Fail("more variables than the file holds");
   graph->Reserve(variables, 0);
-  BodyReader body(&bytes, types, graph);
+  BodyReader body(&bytes, types, guard, graph);
   for (std::size_t i = 0; i < variables; ++i) body.ReadVariable();
 
   reader->Seek(bytes.Offset());
@@ -193,6 +212,11 @@ std::size_t ReadBinaryBody(TextReader* reader, std::string_view text, const std:
   graph->Reserve(variables, factors);
   for (std::size_t i = 0; i < factors; ++i) body.ReadFactor();
   if (bytes.Text(bytes.Left()) != "\n") bytes.Fail("expected 'end' after the last factor");
+  if (guard->IsEmpty()) return factors;
+  bytes.Seek(guard->FirstOffset());
+  if (!guard->MayRepair()) bytes.Fail(guard->Refusal(*graph));
+  recording->repaired =
+      guard->Record(*graph, name + ", byte " + std::to_string(guard->FirstOffset()));
   return factors;
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "graticule/io/information_guard.hpp"
 #include "graticule/io/recording.hpp"
 #include "graticule/io/text.hpp"
 
@@ -25,11 +26,13 @@ std::string Unescaped(std::string_view text);
 // Bodies begin after the line `variables N` and reach up to the line `end`.  The readers return the
 // number of factors.
 
-std::size_t ReadTextBody(TextReader* reader, std::size_t variables, Graph* graph);
+std::size_t ReadTextBody(TextReader* reader, std::size_t variables, InformationGuard* guard,
+                         Recording* recording);
 void AppendTextBody(const Graph& graph, std::string* text);
 
 std::size_t ReadBinaryBody(TextReader* reader, std::string_view text, const std::string& name,
-                           const DeclaredTypes& types, std::size_t variables, Graph* graph);
+                           const DeclaredTypes& types, std::size_t variables,
+                           InformationGuard* guard, Recording* recording);
 void AppendBinaryBody(const Graph& graph, std::string* text);
 
 /// Reads the line `factors N`.

@@ -11,7 +11,8 @@ constexpr std::size_t kShortestLine = 8;  // `a:0 t/1 0` and its line's end, and
 
 class BodyReader {
  public:
-  BodyReader(TextReader* reader, Graph* graph) : reader_(*reader), graph_(*graph) {}
+  BodyReader(TextReader* reader, InformationGuard* guard, Graph* graph)
+      : reader_(*reader), guard_(*guard), graph_(*graph) {}
 
   /// A line `KEY TYPE numbers... [fixed]`.
   void ReadVariable() {
@@ -45,12 +46,11 @@ class BodyReader {
     Loss loss;
     std::string_view source;
     if (!reader_.AtLineEnd()) ReadLossAndSource(&loss, &source);
+    std::string unescaped;
+    if (source.find('\\') != std::string_view::npos) source = unescaped = Unescaped(source);
     try {
-      if (source.find('\\') == std::string_view::npos) {
-        graph_.Add(type, keys_, numbers_, {kind, noise_}, loss, source);
-      } else {
-        graph_.Add(type, keys_, numbers_, {kind, noise_}, loss, Unescaped(source));
-      }
+      guard_.Try({kind, noise_}, place,
+                 [&](NoiseView noise) { graph_.Add(type, keys_, numbers_, noise, loss, source); });
     } catch (const Error& error) {
       throw Place(place, error);
     }
@@ -147,6 +147,7 @@ class BodyReader {
   }
 
   TextReader& reader_;
+  InformationGuard& guard_;
   Graph& graph_;
   Key key_{"a", 0};
   NamedType last_variable_type_, last_factor_type_;
@@ -193,12 +194,14 @@ void AppendFactor(const Graph& graph, const FactorView& factor, std::string* tex
 
 }  // namespace
 
-std::size_t ReadTextBody(TextReader* reader, std::size_t variables, Graph* graph) {
+std::size_t ReadTextBody(TextReader* reader, std::size_t variables, InformationGuard* guard,
+                         Recording* recording) {
+  Graph* graph = &recording->graph;
   const auto plausible = [&](std::size_t count) {
     return std::min(count, (reader->Size() - reader->Offset()) / kShortestLine);
   };
   graph->Reserve(plausible(variables), 0);
-  BodyReader body(reader, graph);
+  BodyReader body(reader, guard, graph);
   for (std::size_t i = 0; i < variables; ++i) body.ReadVariable();
   const std::size_t factors = ReadFactorsLine(reader);
   graph->Reserve(graph->VariableCount(), plausible(factors));
@@ -207,6 +210,7 @@ std::size_t ReadTextBody(TextReader* reader, std::size_t variables, Graph* graph
     const std::string_view word = reader->Word();
     if (word[0] != '#') reader->FailExpected("'end'", "after the factors");
   }
+  guard->Finish(*reader, recording);
   return factors;
 }
 

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "graticule/io/repaired_information.hpp"
 
 namespace graticule {
 
@@ -16,6 +19,8 @@ struct ReportContext {
   std::vector<std::string> outputs;
   std::uint64_t peak_memory_bytes = 0;  ///< of the whole process; 0: not known
   std::vector<std::pair<std::string, std::string>> extras;
+  /// What was done to the problem as it was read.
+  std::optional<RepairedInformation> repaired = {};
 };
 
 }  // namespace graticule

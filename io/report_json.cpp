@@ -71,7 +71,20 @@ Json Object(const std::vector<std::pair<std::string, std::string>>& members) {
   return object;
 }
 
+Json Repaired(const std::optional<RepairedInformation>& repaired) {
+  if (!repaired) return nullptr;
+  return {{"count", repaired->count},
+          {"of", repaired->of},
+          {"smallest_eigenvalue", repaired->smallest_eigenvalue},
+          {"largest_change", repaired->largest_change},
+          {"first", repaired->first}};
+}
+
 }  // namespace
+
+std::string RepairedJson(const std::optional<RepairedInformation>& repaired) {
+  return Repaired(repaired).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 std::string ReportJson(const Report& report, const ReportContext& context) {
   Json json;
@@ -109,6 +122,7 @@ std::string ReportJson(const Report& report, const ReportContext& context) {
 
   json["anchors"] = report.anchors;
   json["warnings"] = report.warnings;
+  json["repaired_information"] = Repaired(context.repaired);
   json["cost_by_type"] = Shares(report);
   json["worst_factors"] = Worst(report);
   json["history"] = History(report);

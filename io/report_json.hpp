@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "graticule/io/report_context.hpp"
@@ -11,5 +12,8 @@ namespace graticule {
 /// their digits; nan and infinity are null; times are seconds; keys are text ("pose:12").  Ends
 /// with a newline.
 std::string ReportJson(const Report& report, const ReportContext& context = {});
+
+/// What reports have under `repaired_information`: an object, or null where nothing was repaired.
+std::string RepairedJson(const std::optional<RepairedInformation>& repaired);
 
 }  // namespace graticule

@@ -50,6 +50,8 @@ class TextReader {
   /// Goes on reading at an offset, which begins a line or a word.
   void Seek(std::size_t offset);
   std::size_t Size() const { return static_cast<std::size_t>(end_ - begin_); }
+  /// The text's name, as errors say it.
+  std::string_view Name() const { return name_; }
 
   std::size_t LineNumber(std::size_t offset) const;
   [[noreturn]] void FailAt(std::size_t offset, const std::string& message) const;

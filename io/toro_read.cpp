@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "graticule/io/id_table.hpp"
+#include "graticule/io/information_guard.hpp"
 #include "graticule/io/skipped_tags.hpp"
 #include "graticule/io/toro.hpp"
 #include "graticule/io/toro_angles.hpp"
@@ -18,7 +19,11 @@ class Reader {
  public:
   Reader(std::string_view text, const std::string& name, const Registry& types,
          const ReadOptions& options)
-      : reader_(text, name), recording_(types), ids_(text.size()), skipped_(options.skip_unknown) {}
+      : reader_(text, name),
+        recording_(types),
+        ids_(text.size()),
+        skipped_(options.skip_unknown),
+        guard_(options.repair_information) {}
 
   // Edges are read last: vertices and EQUIV, which names their source, may follow them.
   Recording Read() {
@@ -36,6 +41,7 @@ class Reader {
     if (recording_.graph.VariableCount() == 0)
       reader_.FailAt(0, reader_.Size() == 0 ? "the file is empty"
                                             : "there is no vertex and no edge in this TORO file");
+    guard_.Finish(reader_, &recording_);
     NamePoseSources(&recording_.graph);
     return std::move(recording_);
   }
@@ -134,10 +140,13 @@ class Reader {
         !equivalent_.empty() && equivalent_.count({std::min(a, b), std::max(a, b)}) > 0;
     Graph& graph = recording_.graph;
     try {
-      graph.Add(graph.FactorTypeId(space ? "between_se3/1" : "between_se2/1"), {variables, 2},
-                {measurement, static_cast<std::size_t>(space ? 7 : 3)},
-                {NoiseKind::kInformation, {information, static_cast<std::size_t>(entries)}}, Loss(),
-                equivalent ? "equiv" : "");
+      const auto type = graph.FactorTypeId(space ? "between_se3/1" : "between_se2/1");
+      guard_.Try({NoiseKind::kInformation, {information, static_cast<std::size_t>(entries)}}, place,
+                 [&](NoiseView noise) {
+                   graph.Add(type, {variables, 2},
+                             {measurement, static_cast<std::size_t>(space ? 7 : 3)}, noise, Loss(),
+                             equivalent ? "equiv" : "");
+                 });
     } catch (const Error& error) {
       RethrowAt(reader_, place, error);
     }
@@ -158,6 +167,7 @@ class Reader {
   IdTable ids_;
   KeyComments keys_;
   SkippedTags skipped_;
+  InformationGuard guard_;
   bool make_vertices_ = false;
   std::vector<std::size_t> edges_, equivalences_;
   std::set<std::pair<std::uint64_t, std::uint64_t>> equivalent_;

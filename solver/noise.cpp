@@ -57,6 +57,10 @@ bool UpperRoot(const double* w, int n, double* s) {
 
 }  // namespace
 
+bool IsDefiniteInformation(Span<const double> upper_triangle, int size) {
+  return UpperRoot(upper_triangle.data(), size, nullptr);
+}
+
 void CheckNoise(NoiseView noise, int residual_size) {
   const std::size_t count = noise.values.size();
   const auto n = static_cast<std::size_t>(residual_size);
@@ -80,7 +84,7 @@ void CheckNoise(NoiseView noise, int residual_size) {
         throw Error("expected " + std::to_string(TriangleSize(residual_size)) +
                     " numbers, the upper triangle of a " + std::to_string(n) + " x " +
                     std::to_string(n) + " information matrix, found " + std::to_string(count));
-      if (!UpperRoot(noise.values.data(), residual_size, nullptr))
+      if (!IsDefiniteInformation(noise.values, residual_size))
         throw Error("the information matrix is not positive definite");
       return;
   }

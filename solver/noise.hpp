@@ -44,6 +44,10 @@ struct Noise {
 /// is legal: it was not measured (a position fix on a pose).
 void CheckNoise(NoiseView noise, int residual_size);
 
+/// Whether CheckNoise finds an information matrix of finite numbers positive definite: its upper
+/// triangle, row by row, of `size` rows.
+bool IsDefiniteInformation(Span<const double> upper_triangle, int size);
+
 /// W = S' S: what a residual is multiplied by so that its cost is half its squared norm.
 /// S is upper triangular: the transposed Cholesky factor of the information.
 class Whitener {

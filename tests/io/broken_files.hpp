@@ -71,7 +71,8 @@ inline constexpr BrokenFile kBrokenFiles[] = {
     {"id_twice.g2o", "4:12", "vertex 1 is there already, from line 2"},
     {"id_twice.graph", "2:9", "vertex 0 is there already, from line 1"},
     {"indefinite_information.g2o", "4:1",
-     "between_se2/1 (pose:0 pose:1): the information matrix is not positive definite"},
+     "between_se2/1 (pose:0 pose:1): the information matrix is not positive definite "
+     "(1 of 2 in this file is not, smallest eigenvalue -1); --repair-information"},
     {"index_negative.bal", "3:1",
      "expected a whole number, 0 or greater (the number of a camera), found '-1'"},
     {"inf.g2o", "3:26",
