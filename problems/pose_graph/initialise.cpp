@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "graticule/problems/pose_graph/chordal.hpp"
+#include "graticule/problems/pose_graph/lago.hpp"
 #include "graticule/problems/pose_graph/landmarks.hpp"
 #include "graticule/problems/pose_graph/pose_role.hpp"
 #include "graticule/problems/pose_graph/spanning_tree.hpp"
@@ -23,7 +24,8 @@ const std::vector<std::pair<std::string, InitialGuess>> kNames = {
     {"odometry", InitialGuess::kOdometry},
     {"spanning_tree", InitialGuess::kSpanningTree},
     {"minimum_spanning_tree", InitialGuess::kMinimumSpanningTree},
-    {"chordal", InitialGuess::kChordal}};
+    {"chordal", InitialGuess::kChordal},
+    {"lago", InitialGuess::kLago}};
 
 // Whether there is something to place, and something to gain from more than a tree.
 struct Shape {
@@ -85,6 +87,16 @@ Start FromChordal(const Graph& graph, const Start& tree) {
   return start;
 }
 
+Start FromLago(const Graph& graph, const Start& tree) {
+  Start start = tree;
+  const LagoReport lago = PlaceByLago(graph, &start.values);
+  start.report.used = InitialGuess::kLago;
+  start.report.kept_pieces = lago.kept_pieces;
+  start.report.landmarks = lago.landmarks.placed;
+  start.report.assumed = lago.landmarks.assumed;
+  return start;
+}
+
 std::string Count(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
@@ -119,8 +131,9 @@ std::string Summary(const InitialiseReport& report) {
 }
 
 Start FromMethod(const Graph& graph, InitialGuess how) {
-  if (how != InitialGuess::kChordal) return FromTree(graph, how);
-  return FromChordal(graph, FromTree(graph, InitialGuess::kSpanningTree));
+  if (how != InitialGuess::kChordal && how != InitialGuess::kLago) return FromTree(graph, how);
+  const Start tree = FromTree(graph, InitialGuess::kSpanningTree);
+  return how == InitialGuess::kLago ? FromLago(graph, tree) : FromChordal(graph, tree);
 }
 
 // The candidate of the least objective; of equal ones the first.

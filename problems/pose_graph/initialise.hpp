@@ -17,6 +17,7 @@ enum class InitialGuess {
   kSpanningTree,  ///< breadth first over all between factors: the fewest measurements to each pose
   kMinimumSpanningTree,  ///< of the traces of the between factors' covariances
   kChordal,  ///< rotations, then translations, by linear least squares: see PlaceByChordal
+  kLago,     ///< of the plane: angles, then poses, by linear least squares: see PlaceByLago
 };
 
 struct InitialiseOptions {
@@ -42,7 +43,7 @@ struct InitialiseReport {
   /// Roots that nothing holds: the smallest key of a piece without a fixed pose or a prior.
   std::size_t free_roots = 0;
   std::size_t assumed = 0;  ///< of the landmarks, those at an assumed range or direction
-  /// Pieces that chordal left to the spanning tree, for want of measurements.
+  /// Pieces that chordal or lago left to the spanning tree, for want of measurements.
   std::size_t kept_pieces = 0;
   std::vector<InitialCost> candidates;  ///< what automatic chose from; empty where it had no choice
   std::string summary;                  ///< one line
@@ -65,8 +66,11 @@ struct InitialiseReport {
 /// the spanning tree.  Where they do: of the file's (if any), chordal and the spanning tree, the
 /// one of the least cost 0.5 sum rho(r' W r).
 ///
-/// Deterministic.  Time in proportion to the graph, but for the sorting of keys and chordal's two
-/// sparse factorisations.
+/// Lago is there to compare with: automatic does not try it.  Throws Error (kUsage) where lago
+/// meets a pose in space.
+///
+/// Deterministic.  Time in proportion to the graph, but for the sorting of keys and the two sparse
+/// factorisations of chordal and lago.
 InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess);
 
 /// "automatic", "file", "odometry", "spanning_tree".

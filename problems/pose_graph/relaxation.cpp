@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "graticule/problems/pose_graph/nearest_rotation.hpp"
-#include "graticule/solver/union_find.hpp"
 
 namespace graticule {
 
@@ -86,53 +85,22 @@ void Relaxation<kDim>::Collect() {
 // Sorts poses into pieces, decides which are held, and numbers the others in key order.
 template <int kDim>
 void Relaxation<kDim>::FindPieces() {
-  const auto count = static_cast<std::uint32_t>(graph_.VariableCount());
-  UnionFind pieces(count), whole(count + 1);  // `whole`: over factors that say all; + the world
-  for (const Edge& edge : edges_) {
-    pieces.Join(edge.a, edge.b);
-    if (edge.is_whole) whole.Join(edge.a, edge.b);
-  }
-  std::vector<std::uint8_t> has_world(count), is_kept(count), counted(count);
-  std::vector<VariableId> gauge(count, Layout::kNone);  // by piece
-  for (const VariableId id : order_) {
-    if (!IsPose(id) || !graph_.IsFixed(id)) continue;
-    has_world[pieces.Root(id)] = 1;
-    whole.Join(id, count);
-  }
-  std::vector<std::uint8_t> has_prior(count);
+  std::vector<PoseTie> ties;
+  for (const Edge& edge : edges_) ties.push_back({edge.a, edge.b, edge.is_whole});
+  std::vector<PoseAnchor> anchors;
   for (Prior& prior : priors_) {
     const FactorView factor = graph_.FactorAt(prior.factor);
     const Information information = InformationOfFactor(factor);
     prior.kappa = Kappa(factor, information);
-    has_prior[prior.pose] = 1;
-    if (prior.kappa == 0 ||
-        !std::isfinite(TraceOfInverse(Matrix(information.template topLeftCorner<kDim, kDim>()))))
-      continue;
-    has_world[pieces.Root(prior.pose)] = 1;
-    whole.Join(prior.pose, count);
+    const Matrix w = information.template topLeftCorner<kDim, kDim>();
+    anchors.push_back({prior.pose, prior.kappa > 0 && std::isfinite(TraceOfInverse(w))});
   }
-  for (const bool with_prior : {true, false})
-    for (const VariableId id : order_) {
-      VariableId& held = gauge[pieces.Root(id)];
-      if (!IsPose(id) || has_world[pieces.Root(id)] || held != Layout::kNone) continue;
-      if (with_prior && !has_prior[id]) continue;
-      held = id;
-      whole.Join(id, count);
-    }
-  for (const VariableId id : order_)
-    if (IsPose(id) && whole.Root(id) != whole.Root(count)) is_kept[pieces.Root(id)] = 1;
-
-  index_.assign(count, kHeld);
-  group_.assign(count, kNoGroup);
-  for (const VariableId id : order_) {
-    if (!IsPose(id)) continue;
-    const std::uint32_t piece = pieces.Root(id);
-    group_[id] = has_world[piece] ? kWorld : 1 + piece;
-    if (!counted[piece]++) ++(is_kept[piece] ? kept_ : solved_);
-    if (is_kept[piece] || graph_.IsFixed(id) || gauge[piece] == id) continue;
-    index_[id] = static_cast<int>(poses_.size());
-    poses_.push_back(id);
-  }
+  PosePieces pieces = FindPosePieces(graph_, order_, pose_type_, ties, anchors);
+  index_ = std::move(pieces.index);
+  group_ = std::move(pieces.group);
+  poses_ = std::move(pieces.poses);
+  solved_ = pieces.solved;
+  kept_ = pieces.kept;
   for (Edge& edge : edges_) {
     edge.link = links_.size();
     if (index_[edge.a] != kHeld && index_[edge.b] != kHeld)

@@ -11,6 +11,7 @@
 #include "graticule/solver/block_system.hpp"
 #include "graticule/problems/pose_graph/chordal.hpp"
 #include "graticule/problems/pose_graph/information.hpp"
+#include "graticule/problems/pose_graph/pose_pieces.hpp"
 #include "graticule/problems/pose_graph/pose_role.hpp"
 #include "graticule/problems/pose_graph/transform.hpp"
 
@@ -32,9 +33,8 @@ class Relaxation {
   }
 
  private:
-  static constexpr int kHeld = -1;
-  static constexpr std::uint32_t kWorld = 0;  // group of what something ties to the world
-  static constexpr std::uint32_t kNoGroup = 0xffffffffu;
+  static constexpr int kHeld = PosePieces::kHeld;
+  static constexpr std::uint32_t kWorld = PosePieces::kWorld, kNoGroup = PosePieces::kNoGroup;
   static constexpr bool kPlanar = kDim == 2;
   static constexpr int kTurn = kPlanar ? 1 : 3;  // numbers of a rotation's residual
   // Rows of R that are solved for: in the plane the second follows from the first.

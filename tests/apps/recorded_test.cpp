@@ -193,6 +193,32 @@ TEST_F(Start, ChordalLeadsToTheBestKnownCostEverywhere) {
   }
 }
 
+TEST_F(Start, LagoLeadsToTheBestKnownCostEverywhereInThePlane) {
+  for (const Problem& problem : kProblems) {
+    const std::string file = problem.file;
+    const auto what = JsonOf(RunCommand({"inspect", Recorded(file), "--json"}));
+    if (!problem.reached || what["families"][0]["type"] != "se2/1") continue;
+    const Outcome solved =
+        RunCommand({"solve", Recorded(file), "--set", "initialise=lago", "--json"});
+    EXPECT_EQ(solved.exit_code, 0) << file;
+    const auto report = JsonOf(solved);
+    EXPECT_NEAR(report.value("final_cost", 0.0), problem.best_known, 1e-6 * problem.best_known)
+        << file;
+    // Measured: at most 5 (MIT).
+    EXPECT_LE(report.value("iterations", 100), 6) << file;
+    EXPECT_EQ(report.value("initialisation", "").rfind("lago: ", 0), 0u) << file;
+  }
+}
+
+TEST_F(Start, LagoIsRefusedInSpace) {
+  const Outcome solved = RunCommand(
+      {"solve", Recorded("tinyGrid3D.g2o"), "--set", "initialise=lago", "-o", Path("out.g2o")});
+  EXPECT_EQ(solved.exit_code, 2);
+  EXPECT_EQ(solved.err.rfind("graticule: initialise: lago is for poses of the plane", 0), 0u)
+      << solved.err;
+  EXPECT_TRUE(Files().empty());
+}
+
 TEST_F(Start, SpanningTreesLeadThereMostly) {
   for (const char* tree : {"spanning_tree", "minimum_spanning_tree"}) {
     const std::pair<const char*, double> files[] = {{"MIT.g2o", 20.5816344},

@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Case{2, InitialGuess::kAutomatic}, Case{2, InitialGuess::kOdometry},
                       Case{2, InitialGuess::kSpanningTree},
                       Case{2, InitialGuess::kMinimumSpanningTree}, Case{2, InitialGuess::kChordal},
-                      Case{3, InitialGuess::kAutomatic},
+                      Case{2, InitialGuess::kLago}, Case{3, InitialGuess::kAutomatic},
                       Case{3, InitialGuess::kMinimumSpanningTree}, Case{3, InitialGuess::kChordal},
                       Case{3, InitialGuess::kOdometry}, Case{3, InitialGuess::kSpanningTree}));
 
@@ -332,8 +332,8 @@ TEST(Initialise, IgnoresRaysThatCrossBehindOrHardlyAtAll) {
 TEST(InitialiseOptionTable, ReadsWhatItWrites) {
   const OptionRow<InitialiseOptions>& row = InitialiseOptionTable().at(0);
   EXPECT_EQ(row.name, "initialise");
-  for (const char* name :
-       {"automatic", "file", "odometry", "spanning_tree", "minimum_spanning_tree", "chordal"}) {
+  for (const char* name : {"automatic", "file", "odometry", "spanning_tree",
+                           "minimum_spanning_tree", "chordal", "lago"}) {
     InitialiseOptions options;
     EXPECT_TRUE(row.set(options, name));
     EXPECT_EQ(row.get(options), name);
