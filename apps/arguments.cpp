@@ -51,6 +51,22 @@ void AddChoosing(CLI::App* sub, Choosing* choosing) {
       ->allow_extra_args(false);
 }
 
+void AddComparing(CLI::App* sub, Comparing* comparing) {
+  sub->add_option(
+      "--ground-truth", comparing->ground_truth,
+      "the true poses, to say how far the solution's are from them: TUM (of several "
+      "robots truth.robot1.tum, ... for truth.tum), or a problem whose values are true");
+  sub->add_option("--align", comparing->align,
+                  "how a solution is laid onto the truth: se (rotation and translation), sim (and "
+                  "scale), first (its first pose), none")
+      ->check(CLI::IsMember({"se", "sim", "first", "none"}))
+      ->capture_default_str();
+  sub->add_option("--rpe-distance", comparing->rpe_distance_m,
+                  "driven metres between the poses of a relative error")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
 void AddSolve(CLI::App* app, Chosen* chosen) {
   auto command = std::make_shared<SolveCommand>();
   CLI::App* sub =
@@ -71,6 +87,7 @@ void AddSolve(CLI::App* app, Chosen* chosen) {
   sub->add_option("--marginals-output", command->marginals_output, "write the covariances: .json");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
   AddChoosing(sub, &command->choosing);
+  AddComparing(sub, &command->comparing);
   AddReading(sub, &command->reading);
 }
 
@@ -94,6 +111,7 @@ void AddCompare(CLI::App* app, Chosen* chosen) {
   sub->add_option("--best-known", command->best_known,
                   "YAML: file name: best known cost (0.5 r'Wr)");
   sub->add_flag("--json", command->json, "JSON on stdout instead of the table");
+  AddComparing(sub, &command->comparing);
   AddReading(sub, &command->reading);
 }
 

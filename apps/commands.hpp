@@ -22,10 +22,18 @@ struct Choosing {
   std::vector<std::string> settings;  ///< "threads=2"
 };
 
+/// What solutions are compared with.
+struct Comparing {
+  std::string ground_truth;  ///< "" or a trajectory or a problem
+  std::string align = "se";  ///< "se", "sim", "first", "none"
+  double rpe_distance_m = 10;
+};
+
 struct SolveCommand {
   std::string file;
   Reading reading;
   Choosing choosing;
+  Comparing comparing;
   std::string output, report, trajectory, plot, marginals, marginals_output;
   bool binary = false;
   bool json = false;
@@ -34,6 +42,7 @@ struct SolveCommand {
 struct CompareCommand {
   std::vector<std::string> files, configs, settings;
   Reading reading;
+  Comparing comparing;
   int repeats = 3;
   std::string report, best_known;
   bool json = false;

@@ -13,6 +13,7 @@
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/provenance.hpp"
 #include "graticule/solver/stopwatch.hpp"
+#include "ground_truth.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -40,10 +41,10 @@ Timing MedianOf(const std::vector<Timing>& runs) {
   return median;
 }
 
-// One whole run, from the file: load, initialise, build, solve.
+// One whole run, from the file: load, initialise, build, solve; what comes after is not counted.
 Report RunOnce(const std::string& file, const Reading& reading, const Registry& types,
-               const Configuration& configuration, const Console& console,
-               const std::string& what) {
+               const Configuration& configuration, const Console& console, const std::string& what,
+               const TruthOf& truth, std::optional<Accuracy>* accuracy) {
   const Stopwatch total;
   Stopwatch clock;
   Console silent;
@@ -52,16 +53,20 @@ Report RunOnce(const std::string& file, const Reading& reading, const Registry& 
   const PhaseTime load = clock.Lap();
   Initialise(&recording.graph, configuration.initialise.initialise, recording.has_initial_guess);
   const PhaseTime initialise = clock.Lap();
-  Report report = Solve(recording.graph, configuration.solve, Watch(console, what)).report;
+  Solution solution = Solve(recording.graph, configuration.solve, Watch(console, what));
+  Report& report = solution.report;
   if (recording.repaired) report.warnings.push_back(ToString(*recording.repaired));
   report.timing.load = load;
   report.timing.initialise = initialise;
   report.timing.total = total.Elapsed();
-  return report;
+  if (report.termination != Termination::kFailed)
+    *accuracy = truth.Judge(recording.graph, solution.values);
+  return std::move(report);
 }
 
 ComparisonRun Repeat(const std::string& file, const CompareCommand& command, const Registry& types,
-                     const Configuration& configuration, const Console& console) {
+                     const Configuration& configuration, const TruthOf& truth,
+                     const Console& console) {
   ComparisonRun run;
   run.file = file;
   run.configuration = configuration.name;
@@ -72,7 +77,8 @@ ComparisonRun Repeat(const std::string& file, const CompareCommand& command, con
     for (int i = 0; i <= command.repeats && !Interruptible::WasAsked(); ++i) {
       const std::string what =
           fmt::format("{} {} {}/{}", file, configuration.name, i, command.repeats);
-      Report report = RunOnce(file, command.reading, types, configuration, console, what);
+      Report report =
+          RunOnce(file, command.reading, types, configuration, console, what, truth, &run.accuracy);
       // The first run counts only where it stays the only one: its caches were cold.
       if (i > 0) timings.push_back(report.timing);
       if (i <= 1) run.report = std::move(report);
@@ -154,9 +160,12 @@ int Run(const CompareCommand& command, const Console& console) {
     const Interruptible interruptible;
     for (const std::string& file : command.files) {
       std::optional<RepairedInformation> repaired;
+      std::optional<TruthOf> truth;
       try {
         // Once: a file that is refused is refused once.
-        repaired = Load(file, command.reading, types, console).repaired;
+        const Recording recording = Load(file, command.reading, types, console);
+        repaired = recording.repaired;
+        truth.emplace(command.comparing, command.reading, recording.graph, console);
       } catch (const graticule::Error& error) {
         console.Error(error.what());
         refused.push_back(ExitOf(error.Kind()));
@@ -164,7 +173,7 @@ int Run(const CompareCommand& command, const Console& console) {
       }
       for (const Configuration& configuration : configurations) {
         if (Interruptible::WasAsked()) break;
-        comparison.runs.push_back(Repeat(file, command, types, configuration, console));
+        comparison.runs.push_back(Repeat(file, command, types, configuration, *truth, console));
         comparison.runs.back().repaired = repaired;
         console.Progress("");
         if (!comparison.runs.back().error.empty())

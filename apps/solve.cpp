@@ -15,6 +15,7 @@
 #include "graticule/solver/plugin.hpp"
 #include "graticule/solver/provenance.hpp"
 #include "graticule/solver/stopwatch.hpp"
+#include "ground_truth.hpp"
 #include "marginals.hpp"
 #include "problem.hpp"
 
@@ -22,11 +23,11 @@ namespace graticule::apps {
 namespace {
 
 void PrintSummary(const SolveCommand& command, const Graph& graph, const Report& report,
-                  const std::string& start) {
+                  const ReportContext& context) {
   fmt::print("{}\n", command.file);
   fmt::print("  variables  {} ({})\n", report.variables, CountVariables(graph));
   fmt::print("  factors    {} ({})\n", report.factors, CountFactors(graph));
-  fmt::print("  start      {}\n", start);
+  fmt::print("  start      {}\n", context.initialisation);
   fmt::print("  cost       {:.9g} -> {:.9g}  (0.5 r'Wr)", report.initial_cost, report.final_cost);
   if (std::abs(report.final_objective - report.final_cost) > 1e-9 * report.final_cost)
     fmt::print(", with losses {:.9g}", report.final_objective);
@@ -50,6 +51,11 @@ void PrintSummary(const SolveCommand& command, const Graph& graph, const Report&
                report.anchors.size() > 5 ? "... " : "");
   }
   for (const std::string& warning : report.warnings) fmt::print("  warning    {}\n", warning);
+  if (context.accuracy) {
+    fmt::print("  truth      {}\n", AccuracyTitle(*context.accuracy));
+    for (const std::string& line : AccuracyLines(*context.accuracy))
+      fmt::print("             {}\n", line);
+  }
   if (!report.worst.empty()) fmt::print("  worst      chi2 (residuals)\n");
   for (const WorstFactor& worst : report.worst) {
     std::string keys;
@@ -123,6 +129,7 @@ int Run(const SolveCommand& command, const Console& console) {
   Graph& graph = recording.graph;
   const std::vector<Key> marginal_keys = ReadKeys(command.marginals, graph);
   const auto trajectories = TrajectoryFiles(command.trajectory, graph);
+  const TruthOf truth(command.comparing, command.reading, graph, console);
 
   const bool has_guess = recording.has_initial_guess;
   const bool draws = !command.plot.empty() || Ending(command.report) == ".html";
@@ -158,6 +165,7 @@ int Run(const SolveCommand& command, const Console& console) {
   context.configuration = configuration.name;
   context.initialisation = start.summary;
   context.repaired = recording.repaired;
+  context.accuracy = truth.Judge(graph, solution.values);
   recording.has_initial_guess = true;
   recording.solved_by = fmt::format("graticule {}, ceres {}: {}", Version(),
                                     report.provenance.size() > 1 ? report.provenance[1].second : "",
@@ -203,7 +211,7 @@ int Run(const SolveCommand& command, const Console& console) {
     if (!marginal_keys.empty()) json["marginals"] = MarginalsJson(marginals);
     fmt::print("{}\n", json.dump(1));
   } else {
-    PrintSummary(command, graph, report, start.summary);
+    PrintSummary(command, graph, report, context);
     if (!marginal_keys.empty()) PrintMarginals(marginals);
     for (const std::string& path : outputs.Written()) fmt::print("  wrote      {}\n", path);
   }

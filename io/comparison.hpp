@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "graticule/io/accuracy.hpp"
 #include "graticule/io/repaired_information.hpp"
 #include "graticule/solver/report.hpp"
 
@@ -27,7 +28,7 @@ struct ComparisonRun {
   double min_total_s = 0, max_total_s = 0;
   std::uint64_t peak_memory_bytes = 0;          ///< 0: not known
   std::optional<RepairedInformation> repaired;  ///< what was done to the file as it was read
-  std::optional<double> ate_m, rpe_m;  ///< trajectory errors, where there is a ground truth
+  std::optional<Accuracy> accuracy;             ///< where there is a ground truth
 };
 
 /// Runs in the order in which they are shown; those of one file need not stand together.

@@ -29,7 +29,7 @@ struct Definition {
 };
 
 // Timers and allocators repeat to a few per cent; costs to the solver's tolerance.
-constexpr double kTimeTie = 0.02, kCostTie = 1e-7;
+constexpr double kTimeTie = 0.02, kCostTie = 1e-7, kErrorTie = 1e-4;
 
 std::string Cost(double value) { return ReadableNumber(value, 7); }
 std::string Count(double value) { return ReadableNumber(value, 9); }
@@ -76,10 +76,16 @@ constexpr Definition kDefinitions[] = {
        return run.peak_memory_bytes ? static_cast<double>(run.peak_memory_bytes) : kNone;
      },
      Bytes},
-    {"ATE", "absolute trajectory error", true, Contest::kAll, 1e-4,
-     [](const Run& run) { return run.ate_m.value_or(kNone); }, Metres},
-    {"RPE", "relative pose error", true, Contest::kAll, 1e-4,
-     [](const Run& run) { return run.rpe_m.value_or(kNone); }, Metres},
+    {"ATE", "absolute trajectory error, rmse after alignment", true, Contest::kAll, kErrorTie,
+     [](const Run& run) {
+       return run.accuracy ? run.accuracy->together.ate.translation_m.rmse : kNone;
+     },
+     Metres},
+    {"RPE", "relative pose error a step, rmse", true, Contest::kAll, kErrorTie,
+     [](const Run& run) {
+       return run.accuracy ? run.accuracy->together.rpe_step.translation_m.rmse : kNone;
+     },
+     Metres},
 };
 
 bool Competes(const Run& run, Contest contest) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graticule/io/accuracy_html.hpp"
 #include "graticule/io/chart.hpp"
 #include "graticule/io/comparison.hpp"
 #include "graticule/io/comparison_columns.hpp"
@@ -111,6 +112,13 @@ std::string Remarks(const ComparisonBlock& block) {
   return block.remarks.empty() ? std::string() : html::List(block.remarks);
 }
 
+std::string AgainstTruth(const ComparisonBlock& block) {
+  std::vector<std::pair<std::string, const Accuracy*>> runs;
+  for (const ComparisonRun* run : block.runs)
+    if (run->accuracy) runs.emplace_back(run->configuration, &*run->accuracy);
+  return AccuracyHtml(runs);
+}
+
 std::string SizeOf(const ComparisonBlock& block) {
   for (const ComparisonRun* run : block.runs)
     if (run->error.empty())
@@ -136,7 +144,7 @@ std::string ComparisonHtml(const Comparison& comparison) {
     body += html::Section(block.file, SizeOf(block) + Remarks(block) + Table(block, true) +
                                           Errors(block) +
                                           (more.empty() ? "" : html::Details("More times", more)) +
-                                          Convergence(block) + Phases(block));
+                                          AgainstTruth(block) + Convergence(block) + Phases(block));
   }
   if (!comparison.provenance.empty()) {
     std::vector<std::vector<html::Cell>> rows;

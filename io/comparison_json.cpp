@@ -8,11 +8,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <class T>
-Json OrNull(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json RunJson(const ComparisonRun& run) {
   Json json;
   json["file"] = run.file;
@@ -26,6 +21,7 @@ Json RunJson(const ComparisonRun& run) {
   ReportContext context;
   context.peak_memory_bytes = run.peak_memory_bytes;
   context.repaired = run.repaired;
+  context.accuracy = run.accuracy;
   const Json whole = Json::parse(ReportJson(report, context));
   for (const char* name : {"termination", "initial_cost", "final_cost", "final_objective",
                            "reduced_chi2", "iterations"})
@@ -39,8 +35,12 @@ Json RunJson(const ComparisonRun& run) {
   json["max_total_seconds"] = run.max_total_s;
   json["peak_memory_bytes"] = whole["peak_memory_bytes"];
   json["repaired_information"] = whole["repaired_information"];
-  json["ate_m"] = OrNull(run.ate_m);
-  json["rpe_m"] = OrNull(run.rpe_m);
+  const FamilyAccuracy all = run.accuracy ? run.accuracy->together : FamilyAccuracy();
+  json["ate_m"] = all.ate.translation_m.rmse;
+  json["ate_deg"] = all.ate.rotation_deg.rmse;
+  json["rpe_m"] = all.rpe_step.translation_m.rmse;
+  json["rpe_deg"] = all.rpe_step.rotation_deg.rmse;
+  json["accuracy"] = whole["accuracy"];
   json["report"] = Json::parse(ReportJson(run.report, context));
   return json;
 }

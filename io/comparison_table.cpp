@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kWidest = 120, kGap = 2, kWidestName = 32;
 
 // Columns given up first where the table is too wide.
-constexpr const char* kExpendable[] = {"linear", "RPE", "CPU", "solve", "memory", "ATE", "gap"};
+constexpr const char* kExpendable[] = {"linear", "CPU", "solve", "RPE", "memory", "ATE", "gap"};
 
 // One line, at most `width` columns of the terminal; control characters become spaces.
 std::string Clip(const std::string& text, std::size_t width) {
@@ -66,6 +66,30 @@ std::size_t TableWidth(const std::vector<ComparisonColumn>& columns) {
   return width - kGap;
 }
 
+// What the errors refer to; of several families each one's absolute error, aligned by itself.
+std::string AgainstTruth(const ComparisonBlock& block) {
+  constexpr std::size_t kMost = 8, kWidth = 12;
+  std::string head, body;
+  for (const ComparisonRun* run : block.runs) {
+    if (!run->accuracy || run->accuracy->families.empty()) continue;
+    const auto& families = run->accuracy->families;
+    const std::size_t shown = std::min(families.size(), kMost);
+    const bool first = head.empty();
+    if (first) head = Padded("ATE of each [m]", kWidestName - kWidth, false);
+    body += Padded(Clip(run->configuration, kWidestName - kWidth), kWidestName - kWidth, false);
+    for (std::size_t i = 0; i < shown; ++i) {
+      if (first) head += Padded(Clip(families[i].family, kWidth - 1), kWidth, true);
+      body += Padded(ReadableNumber(families[i].ate.translation_m.rmse, 3), kWidth, true);
+    }
+    if (first && shown < families.size()) head += " …";
+    body += "\n";
+  }
+  if (!head.empty()) head += "\n" + body;
+  for (const ComparisonRun* run : block.runs)
+    if (run->accuracy) return head + Wrapped("truth: " + AccuracyTitle(*run->accuracy));
+  return head;
+}
+
 std::string Table(const ComparisonBlock& block, bool colour) {
   std::vector<ComparisonColumn> columns;
   for (const ComparisonColumn& column : block.columns)
@@ -97,6 +121,7 @@ std::string Table(const ComparisonBlock& block, bool colour) {
   }
   std::string table = Coloured(Clip(block.file, kWidest), "1", colour) + "\n";
   table += Coloured(head, "2", colour) + "\n" + body;
+  table += AgainstTruth(block);
   for (const std::string& remark : block.remarks) table += Wrapped(remark);
   for (const ComparisonRun* run : block.runs)
     if (!run->error.empty())

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graticule/io/accuracy_html.hpp"
 #include "graticule/io/chart.hpp"
 #include "graticule/io/html.hpp"
 #include "graticule/io/phase_chart.hpp"
@@ -272,6 +273,8 @@ std::string ReportHtml(const Report& report, const ReportContext& context,
   const std::string title = context.file.empty() ? "Graticule report" : context.file;
   std::string body = KeyNumbers(report, context) + Notes(report);
   if (!graph_svg.empty()) body += html::Section("The graph", html::Figure(graph_svg));
+  if (context.accuracy)
+    body += html::Section("Poses against the truth", AccuracyHtml({{"", &*context.accuracy}}));
   body += Convergence(report) + Shares(report) + Worst(report) + Times(report) +
           Origin(report, context);
   return html::Page(title, Header(report, context), body);

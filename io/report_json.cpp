@@ -80,6 +80,37 @@ Json Repaired(const std::optional<RepairedInformation>& repaired) {
           {"first", repaired->first}};
 }
 
+Json Summary(const ErrorSummary& error) {
+  return {{"rmse", error.rmse}, {"mean", error.mean}, {"max", error.max}};
+}
+
+Json Errors(const PoseError& error) {
+  return {{"count", error.translation_m.count},
+          {"translation_m", Summary(error.translation_m)},
+          {"rotation_deg", Summary(error.rotation_deg)}};
+}
+
+Json Family(const FamilyAccuracy& accuracy) {
+  return {{"poses", accuracy.poses},
+          {"matched", accuracy.matched},
+          {"alignment", accuracy.alignment},
+          {"scale", accuracy.scale},
+          {"ate", Errors(accuracy.ate)},
+          {"rpe_step", Errors(accuracy.rpe_step)},
+          {"rpe_distance", Errors(accuracy.rpe_distance)}};
+}
+
+Json AgainstTruth(const std::optional<Accuracy>& accuracy) {
+  if (!accuracy) return nullptr;
+  Json json = {{"truth", accuracy->truth},
+               {"rpe_distance_m", accuracy->rpe_distance_m},
+               {"together", Family(accuracy->together)},
+               {"families", Json::object()}};
+  for (const FamilyAccuracy& family : accuracy->families)
+    json["families"][family.family] = Family(family);
+  return json;
+}
+
 }  // namespace
 
 std::string RepairedJson(const std::optional<RepairedInformation>& repaired) {
@@ -123,6 +154,7 @@ std::string ReportJson(const Report& report, const ReportContext& context) {
   json["anchors"] = report.anchors;
   json["warnings"] = report.warnings;
   json["repaired_information"] = Repaired(context.repaired);
+  json["accuracy"] = AgainstTruth(context.accuracy);
   json["cost_by_type"] = Shares(report);
   json["worst_factors"] = Worst(report);
   json["history"] = History(report);

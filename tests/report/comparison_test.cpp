@@ -31,6 +31,23 @@ ComparisonRun SampleRun(const std::string& file, const std::string& configuratio
   return run;
 }
 
+Accuracy SampleAccuracy() {
+  Accuracy accuracy;
+  accuracy.truth = "wahrheit <1>.tum";
+  accuracy.rpe_distance_m = 10;
+  FamilyAccuracy& all = accuracy.together;
+  all.poses = all.matched = 20;
+  all.alignment = "se2 (Umeyama, no scale)";
+  all.ate = {{20, 1.5, 1.25, 3}, {20, 2.5, 2, 4}};
+  all.rpe_step = {{18, 0.25, 0.2, 0.5}, {18, 0.75, 0.5, 1}};
+  for (const char* robot : {"a", "b"}) {
+    accuracy.families.push_back(all);
+    accuracy.families.back().family = robot;
+    accuracy.families.back().matched = 10;
+  }
+  return accuracy;
+}
+
 Comparison Sample() {
   Comparison comparison;
   comparison.runs = {
@@ -86,7 +103,7 @@ TEST(Comparison, DrawsOneSelfContainedPage) {
 
 TEST(Comparison, AlignsTheTerminalTable) {
   Comparison comparison = Sample();
-  comparison.runs[0].ate_m = 1.5;
+  comparison.runs[0].accuracy = SampleAccuracy();
   comparison.runs[0].configuration = std::string(200, 'x');
   const std::string table = ComparisonTable(comparison, false);
   EXPECT_EQ(table.find('\x1b'), std::string::npos);
@@ -105,6 +122,30 @@ TEST(Comparison, AlignsTheTerminalTable) {
   EXPECT_GT(end_column, 0u);
   EXPECT_NE(table.find("broken: option 'method': no such <method>"), std::string::npos);
   EXPECT_NE(ComparisonTable(comparison, true).find("\x1b[1;32m"), std::string::npos);
+}
+
+TEST(Comparison, SaysHowFarRunsAreFromTheTruth) {
+  Comparison comparison = Sample();
+  for (std::size_t i : {0, 1}) comparison.runs[i].accuracy = SampleAccuracy();
+  comparison.runs[1].accuracy->together.ate.translation_m.rmse = 1;
+  const ComparisonBlock block = ComparisonBlocks(comparison)[0];
+  EXPECT_EQ(Column(block, "ATE").cells[0].text, "1.5 m");
+  EXPECT_TRUE(Column(block, "ATE").cells[1].best);
+  EXPECT_EQ(Column(block, "ATE").cells[2].text, "–");
+  EXPECT_EQ(Column(block, "RPE").cells[0].text, "0.25 m");
+  const auto runs = nlohmann::json::parse(ComparisonJson(comparison))["runs"];
+  EXPECT_EQ(runs[0]["ate_m"], 1.5);
+  EXPECT_EQ(runs[0]["ate_deg"], 2.5);
+  EXPECT_EQ(runs[0]["rpe_m"], 0.25);
+  EXPECT_EQ(runs[0]["rpe_deg"], 0.75);
+  EXPECT_EQ(runs[0]["accuracy"]["families"]["b"]["matched"], 10);
+  EXPECT_TRUE(runs[0]["accuracy"]["together"]["rpe_distance"]["translation_m"]["rmse"].is_null());
+  EXPECT_TRUE(runs[3]["accuracy"].is_null());
+  const std::string page = ComparisonHtml(comparison);
+  EXPECT_EQ(test::TagFault(page), "");
+  EXPECT_NE(page.find("wahrheit &lt;1&gt;.tum, 20 of 20 poses"), std::string::npos);
+  const std::string table = ComparisonTable(comparison, false);
+  EXPECT_NE(table.find("ATE of each [m]"), std::string::npos) << table;
 }
 
 TEST(Comparison, DrawsARunWithALossAboveItsOwnLowestObjective) {
