@@ -70,9 +70,12 @@ class Scratch {
 
 bool AllFinite(const double* values, int count) {
   // x * 0 is 0 for finite x, nan otherwise: one test for all.
-  double sum = 0;
-  for (int i = 0; i < count; ++i) sum += values[i] * 0.0;
-  return sum == 0;
+  double sums[4] = {};
+  int i = 0;
+  for (; i + 4 <= count; i += 4)
+    for (int k = 0; k < 4; ++k) sums[k] += values[i + k] * 0.0;
+  for (; i < count; ++i) sums[0] += values[i] * 0.0;
+  return sums[0] + sums[1] + sums[2] + sums[3] == 0;
 }
 
 }  // namespace

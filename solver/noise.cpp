@@ -119,10 +119,12 @@ namespace {
 template <int kRows, int kColumns>
 void ApplyTriangle(const double* s, double* matrix) {
   for (int i = 0; i < kRows; ++i) {
-    double* row = matrix + i * kColumns;
-    for (int c = 0; c < kColumns; ++c) row[c] *= s[0];
+    double row[kColumns];
+    for (int c = 0; c < kColumns; ++c) row[c] = matrix[i * kColumns + c] * s[0];
     for (int j = i + 1; j < kRows; ++j)
-      for (int c = 0; c < kColumns; ++c) row[c] += s[j - i] * matrix[j * kColumns + c];
+      if (s[j - i] != 0)  // as is common between translation and rotation
+        for (int c = 0; c < kColumns; ++c) row[c] += s[j - i] * matrix[j * kColumns + c];
+    std::copy(row, row + kColumns, matrix + i * kColumns);
     s += kRows - i;
   }
 }

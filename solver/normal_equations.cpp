@@ -1,40 +1,37 @@
 #include "graticule/solver/normal_equations.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 namespace graticule {
 namespace {
 
-// to += scale * a' b, of matrices with `rows` rows, row-major; `to` by columns, or its transpose.
+// to += a' b, of matrices with kRows rows, row-major; `to` by columns.  Zeros of b are common (a
+// rotation's residual does not depend on translations), and skipped.
 template <int kRows, int kA, int kB>
-void AddProductOf(const double* a, const double* b, double scale, const BlockSystem::Block& to) {
-  using Left = Eigen::Matrix<double, kRows, kA, kA == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-  using Right = Eigen::Matrix<double, kRows, kB, kB == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-  const Eigen::Map<const Left> left(a);
-  const Eigen::Map<const Right> right(b);
-  if (to.transposed) {
-    Eigen::Map<Eigen::Matrix<double, kB, kA>, 0, Eigen::OuterStride<>> block(
-        to.values, Eigen::OuterStride<>(to.stride));
-    block.noalias() += (scale * right).transpose().lazyProduct(left);
-  } else {
-    Eigen::Map<Eigen::Matrix<double, kA, kB>, 0, Eigen::OuterStride<>> block(
-        to.values, Eigen::OuterStride<>(to.stride));
-    block.noalias() += (scale * left).transpose().lazyProduct(right);
+void AddProductOf(const double* a, const double* b, double* to, int stride) {
+  for (int j = 0; j < kB; ++j, to += stride) {
+    double sum[kA] = {};
+    for (int r = 0; r < kRows; ++r) {
+      const double factor = b[r * kB + j];
+      if (factor == 0) continue;
+      for (int i = 0; i < kA; ++i) sum[i] += factor * a[r * kA + i];
+    }
+    for (int i = 0; i < kA; ++i) to[i] += sum[i];
   }
 }
 
-void AddProduct(int rows, int a_size, int b_size, const double* a, const double* b, double scale,
+void AddProduct(int rows, int a_size, int b_size, const double* a, const double* b,
                 const BlockSystem::Block& to) {
-  if (rows == 3 && a_size == 3 && b_size == 3) return AddProductOf<3, 3, 3>(a, b, scale, to);
-  if (rows == 6 && a_size == 6 && b_size == 6) return AddProductOf<6, 6, 6>(a, b, scale, to);
-  const int from_row = to.transposed ? to.stride : 1, from_column = to.transposed ? 1 : to.stride;
+  if (to.transposed) return AddProduct(rows, b_size, a_size, b, a, {to.values, to.stride, false});
+  if (rows == 3 && a_size == 3 && b_size == 3)
+    return AddProductOf<3, 3, 3>(a, b, to.values, to.stride);
+  if (rows == 6 && a_size == 6 && b_size == 6)
+    return AddProductOf<6, 6, 6>(a, b, to.values, to.stride);
   for (int r = 0; r < rows; ++r)
     for (int j = 0; j < b_size; ++j) {
-      const double factor = scale * b[r * b_size + j];
-      for (int i = 0; i < a_size; ++i)
-        to.values[i * from_row + j * from_column] += factor * a[r * a_size + i];
+      const double factor = b[r * b_size + j];
+      for (int i = 0; i < a_size; ++i) to.values[i + j * to.stride] += factor * a[r * a_size + i];
     }
 }
 
@@ -98,7 +95,7 @@ bool NormalEquations::Linearise(const double* data, double* objective) {
   std::vector<double*> jacobians;
   for (FactorId id = 0; id < graph.FactorCount(); ++id) {
     const int rows = graph.ResidualSize(id);
-    const double* residual = scratch_.data();
+    double* residual = scratch_.data();
     if (parallel_) {
       residual = parallel_->At(id);
       if (!residual) return false;
@@ -119,13 +116,20 @@ bool NormalEquations::Linearise(const double* data, double* objective) {
     EvaluateLoss(replaced_.value_or(graph.LossOf(id)), chi2, rho);
     chi2_[id] = chi2;
     *objective += 0.5 * rho[0];
-    Add(id, residual, residual + rows, rho[1]);
+    if (rho[1] != 1) {
+      // Both are ours to change: what was evaluated is used once.
+      const double weight = std::sqrt(std::max(rho[1], 0.0));
+      double* end = residual + rows;
+      for (const VariableId variable : graph.VariablesOf(id))
+        end += rows * graph.TypeOf(variable).TangentSize();
+      for (double* value = residual; value < end; ++value) *value *= weight;
+    }
+    Add(id, residual, residual + rows);
   }
   return true;
 }
 
-void NormalEquations::Add(FactorId id, const double* residual, const double* jacobians,
-                          double weight) {
+void NormalEquations::Add(FactorId id, const double* residual, const double* jacobians) {
   const Graph& graph = evaluation_.TheGraph();
   const int rows = graph.ResidualSize(id);
   const Span<const VariableId> variables = graph.VariablesOf(id);
@@ -138,14 +142,13 @@ void NormalEquations::Add(FactorId id, const double* residual, const double* jac
       const double* a = jacobians;
       for (std::size_t i = 0; i < j; ++i) {
         const int a_size = graph.TypeOf(variables[i]).TangentSize();
-        if (nodes[i] != kHeld)
-          AddProduct(rows, a_size, b_size, a, b, weight, system_->LinkBlock(link++));
+        if (nodes[i] != kHeld) AddProduct(rows, a_size, b_size, a, b, system_->LinkBlock(link++));
         a += rows * a_size;
       }
-      AddProduct(rows, b_size, b_size, b, b, weight, system_->NodeBlock(nodes[j]));
+      AddProduct(rows, b_size, b_size, b, b, system_->NodeBlock(nodes[j]));
       double* gradient = gradient_.data() + system_->First(nodes[j]);
       for (int r = 0; r < rows; ++r)
-        for (int c = 0; c < b_size; ++c) gradient[c] += weight * residual[r] * b[r * b_size + c];
+        for (int c = 0; c < b_size; ++c) gradient[c] += residual[r] * b[r * b_size + c];
     }
     b += rows * b_size;
   }

@@ -47,7 +47,7 @@ class NormalEquations {
 
  private:
   static constexpr int kHeld = -1;
-  void Add(FactorId id, const double* residual, const double* jacobians, double weight);
+  void Add(FactorId id, const double* residual, const double* jacobians);
 
   const Evaluation& evaluation_;
   std::optional<Loss> replaced_;

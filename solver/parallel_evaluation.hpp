@@ -26,6 +26,7 @@ class ParallelEvaluation {
   const double* At(FactorId id) const {
     return good_[id] ? storage_.data() + offset_[id] : nullptr;
   }
+  double* At(FactorId id) { return good_[id] ? storage_.data() + offset_[id] : nullptr; }
   /// The same, each to its place; Jacobians that are null are not wanted.
   bool Copy(FactorId id, double* residual, double** jacobians) const;
 
