@@ -85,6 +85,9 @@ void AddSolve(CLI::App* app, Chosen* chosen) {
   sub->add_option("--marginals", command->marginals,
                   "covariance of these keys (pose:1,pose:2) or `all`");
   sub->add_option("--marginals-output", command->marginals_output, "write the covariances: .json");
+  sub->add_flag("--certify", command->certify,
+                "prove that a pose graph's solution is globally optimal; where that is refused, "
+                "look for a cheaper one");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
   AddChoosing(sub, &command->choosing);
   AddComparing(sub, &command->comparing);

@@ -36,6 +36,7 @@ struct SolveCommand {
   Comparing comparing;
   std::string output, report, trajectory, plot, marginals, marginals_output;
   bool binary = false;
+  bool certify = false;
   bool json = false;
 };
 

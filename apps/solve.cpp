@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "certificate.hpp"
 #include "commands.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/graph_plot.hpp"
@@ -135,7 +136,7 @@ int Run(const SolveCommand& command, const Console& console) {
   const bool draws = !command.plot.empty() || Ending(command.report) == ".html";
   Values before;
   if (draws && has_guess) before = graph.InitialValues();
-  const InitialiseReport start = Initialise(&graph, configuration.initialise.initialise, has_guess);
+  InitialiseReport start = Initialise(&graph, configuration.initialise.initialise, has_guess);
   const PhaseTime initialise = clock.Lap();
   if (draws && !has_guess) before = graph.InitialValues();
 
@@ -145,6 +146,14 @@ int Run(const SolveCommand& command, const Console& console) {
     return Solve(graph, configuration.solve, Watch(console, command.file));
   });
   console.Progress("");
+  ReportContext context;
+  if (command.certify && solution.report.termination != Termination::kFailed) {
+    context.certificate = About(command.file, [&] {
+      return CertifySolution(graph, configuration.solve, Watch(console, command.file), &solution);
+    });
+    console.Progress("");
+    if (context.certificate->improved) start.summary += "; then solved again";
+  }
   Report& report = solution.report;
   if (recording.repaired) report.warnings.push_back(ToString(*recording.repaired));
   report.timing.load = load;
@@ -160,7 +169,6 @@ int Run(const SolveCommand& command, const Console& console) {
     marginals =
         About(command.file, [&] { return FindMarginals(graph, solution.values, marginal_keys); });
 
-  ReportContext context;
   context.file = command.file;
   context.configuration = configuration.name;
   context.initialisation = start.summary;
@@ -212,6 +220,7 @@ int Run(const SolveCommand& command, const Console& console) {
     fmt::print("{}\n", json.dump(1));
   } else {
     PrintSummary(command, graph, report, context);
+    if (context.certificate) PrintCertificate(*context.certificate);
     if (!marginal_keys.empty()) PrintMarginals(marginals);
     for (const std::string& path : outputs.Written()) fmt::print("  wrote      {}\n", path);
   }

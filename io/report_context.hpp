@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "graticule/io/accuracy.hpp"
+#include "graticule/io/certificate_summary.hpp"
 #include "graticule/io/repaired_information.hpp"
 
 namespace graticule {
@@ -23,6 +24,7 @@ struct ReportContext {
   /// What was done to the problem as it was read.
   std::optional<RepairedInformation> repaired = {};
   std::optional<Accuracy> accuracy = {};  ///< against a ground truth
+  std::optional<CertificateSummary> certificate = {};
 };
 
 }  // namespace graticule

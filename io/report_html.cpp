@@ -98,6 +98,45 @@ std::string Notes(const Report& report) {
   return notes.empty() ? notes : html::Section("Warnings and anchors", notes);
 }
 
+std::string VerdictClass(const CertificateSummary& certificate) {
+  if (certificate.verdict == "optimal") return "good";
+  return certificate.verdict == "refused" ? "bad" : "fair";
+}
+
+std::string Optimality(const ReportContext& context) {
+  if (!context.certificate) return {};
+  const CertificateSummary& certificate = *context.certificate;
+  std::string body =
+      "<p><span class=\"verdict " + VerdictClass(certificate) + "\">" +
+      EscapeXml(certificate.verdict == "not_applicable" ? "not applicable" : certificate.verdict) +
+      "</span> " + EscapeXml(certificate.text) + "</p>\n";
+  if (certificate.is_applicable)
+    body += html::Cards({{"Lower bound of every cost", ReadableNumber(certificate.lower_bound, 9),
+                          "cost " + ReadableNumber(certificate.cost, 9)},
+                         {"Relative gap", ReadableNumber(certificate.relative_gap, 3),
+                          fmt::format("{} of {} factors bounded without loss",
+                                      ReadableCount(certificate.exact_factors),
+                                      ReadableCount(certificate.factors))},
+                         {"Time, certificate", ReadableSeconds(certificate.seconds), ""}});
+  if (!certificate.attempts.empty()) {
+    std::vector<std::vector<Cell>> rows;
+    for (const CertificateSummary::Attempt& attempt : certificate.attempts)
+      rows.push_back({{attempt.from},
+                      {ReadableNumber(attempt.cost, 9)},
+                      {attempt.verdict, attempt.verdict == "optimal" ? "good" : "bad"},
+                      {ReadableSeconds(attempt.seconds)}});
+    body += html::Paragraph(certificate.improved
+                                ? "A cheaper solution was found; this page is about it."
+                                : "Nothing cheaper was found.") +
+            html::Table({{"solved again from", false, {}},
+                         {"cost", true, {}},
+                         {"certificate", false, {}},
+                         {"time", true, {}}},
+                        rows);
+  }
+  return html::Section("Global optimality", body);
+}
+
 std::string Convergence(const Report& report) {
   if (report.iterations.empty()) return {};
   CurveChart chart;
@@ -271,7 +310,7 @@ std::string VerdictText(Termination termination) {
 std::string ReportHtml(const Report& report, const ReportContext& context,
                        const std::string& graph_svg) {
   const std::string title = context.file.empty() ? "Graticule report" : context.file;
-  std::string body = KeyNumbers(report, context) + Notes(report);
+  std::string body = KeyNumbers(report, context) + Optimality(context) + Notes(report);
   if (!graph_svg.empty()) body += html::Section("The graph", html::Figure(graph_svg));
   if (context.accuracy)
     body += html::Section("Poses against the truth", AccuracyHtml({{"", &*context.accuracy}}));

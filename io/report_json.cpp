@@ -65,6 +65,32 @@ Json History(const Report& report) {
   return history;
 }
 
+Json CertificateJson(const CertificateSummary& certificate) {
+  Json json;
+  json["verdict"] = certificate.verdict;
+  json["text"] = certificate.text;
+  json["reasons"] = certificate.reasons;
+  if (certificate.is_applicable) {
+    json["cost"] = certificate.cost;
+    json["lower_bound"] = certificate.lower_bound;
+    json["gap"] = certificate.gap;
+    json["relative_gap"] = certificate.relative_gap;
+    json["eigenvalue"] =
+        certificate.verdict == "refused" ? Json(certificate.eigenvalue) : Json(nullptr);
+    json["exact_factors"] = certificate.exact_factors;
+    json["factors"] = certificate.factors;
+  }
+  json["seconds"] = certificate.seconds;
+  json["improved"] = certificate.improved;
+  json["attempts"] = Json::array();
+  for (const CertificateSummary::Attempt& attempt : certificate.attempts)
+    json["attempts"].push_back({{"from", attempt.from},
+                                {"cost", attempt.cost},
+                                {"verdict", attempt.verdict},
+                                {"seconds", attempt.seconds}});
+  return json;
+}
+
 Json Object(const std::vector<std::pair<std::string, std::string>>& members) {
   Json object = Json::object();
   for (const auto& [name, value] : members) object[name] = value;
@@ -137,6 +163,8 @@ std::string ReportJson(const Report& report, const ReportContext& context) {
   json["degrees_of_freedom"] = report.degrees_of_freedom;
   json["reduced_chi2"] = report.ReducedChi2();
   json["iterations"] = report.Steps();
+
+  if (context.certificate) json["certificate"] = CertificateJson(*context.certificate);
 
   json["variables"] = report.variables;
   json["fixed_variables"] = report.fixed_variables;

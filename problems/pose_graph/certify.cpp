@@ -13,8 +13,8 @@ namespace {
 constexpr double kRounding = 1e-13;
 // A gap of this a factor is nothing: costs have no unit, and a standard deviation costs 0.5.
 constexpr double kNegligible = 1e-9;
-constexpr int kNewtonSteps = 2;
-constexpr double kLargestShift = 1e4;
+constexpr int kNewtonSteps = 3;
+constexpr double kLargestShift = 1e8;
 
 template <int kDim>
 class Certifier {

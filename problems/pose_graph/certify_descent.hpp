@@ -8,6 +8,8 @@ struct DescentOptions {
   int max_steps = 100;
   /// Ends where the next step promises less.
   double tolerance = 0;
+  /// Or after a step that brings less than this part of the value.
+  double least_drop = 0;
   /// To begin with, relative to the Hessian's diagonal; 0: Newton's steps towards a smaller
   /// gradient, ended by the first that fails.
   double damping = 0;
@@ -20,7 +22,7 @@ struct Descent {
   bool converged = false;
 };
 
-/// Minimises a quadratic over poses of up to kDim + 2 rows, R' R = 1: damped Newton steps with the
+/// Minimises a quadratic over poses of any number of rows, R' R = 1: damped Newton steps with the
 /// true (Riemannian) Hessian, tr(V S V') over tangents V, factorised by CHOLMOD; back onto the
 /// manifold by the polar factor.  After P.-A. Absil, R. Mahony, R. Sepulchre, "Optimization
 /// Algorithms on Matrix Manifolds" (2008).

@@ -51,11 +51,7 @@ Dual<kDim> DualAt(const Program<kDim>& program, const Quadratic<kDim>& quadratic
                   const Poses<kDim>& poses) {
   Dual<kDim> dual;
   dual.gradient = quadratic.Times(poses);
-  dual.diagonal.assign(program.is_point.size(), Dual<kDim>::Block::Zero());
-  for (const auto& term : quadratic.terms) {
-    dual.diagonal[static_cast<std::size_t>(term.a)] += term.aa;
-    dual.diagonal[static_cast<std::size_t>(term.b)] += term.bb;
-  }
+  dual.diagonal = quadratic.Diagonal(program.is_point.size());
   for (std::size_t node = 0; node < dual.diagonal.size(); ++node) {
     const auto column = static_cast<Eigen::Index>((kDim + 1) * node);
     dual.remainder += 0.5 * poses.col(column).dot(dual.gradient.col(column));

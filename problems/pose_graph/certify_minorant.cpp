@@ -27,7 +27,9 @@ struct Part {
   bool is_exact = true;
 };
 
+// Near a half turn minorants that touch have hardly any curvature left; there they do not.
 constexpr double kLargestAngle = 0.9 * M_PI;
+constexpr double kSmallestScalar = 0.15;  // cos(0.9 pi / 2)
 
 // 2 x / sin(x): the weight that makes the chord touch the squared angle x^2 from below.
 double Steepening(double angle) {
@@ -115,73 +117,145 @@ Part<2> PlanarMinorant(const Statement<2>& statement, const Eigen::Vector3d& r) 
   return part;
 }
 
-// What q' G q says of a unit quaternion q = [v, w], as -<turn, R> and a constant: from
-// R = (w^2 - |v|^2) I + 2 v v' + 2 w [v]x.
-Eigen::Matrix3d TurnOf(const Eigen::Matrix3d& vv, const Eigen::Vector3d& vw, double ww) {
-  Eigen::Matrix3d turn = 0.25 * vv.trace() * Eigen::Matrix3d::Identity() - 0.5 * vv;
-  turn -= 0.25 * ww * Eigen::Matrix3d::Identity();
-  turn -= 0.5 * Eigen::Matrix3d(Skew(vw));
-  return turn;
+// q' G q of a unit quaternion q = [v, w], in blocks of G.
+struct OfQuaternion {
+  Eigen::Matrix3d vv = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d vw = Eigen::Vector3d::Zero();
+  double ww = 0;
+
+  // Less (v - w slope)' H (v - w slope).
+  void Reduce(const Eigen::Matrix3d& h, const Eigen::Vector3d& slope) {
+    vv -= h;
+    vw += h * slope;
+    ww -= slope.dot(h * slope);
+  }
+
+  // As -<turn, R> and a constant: from R = (w^2 - |v|^2) 1 + 2 v v' + 2 w [v]x.
+  Eigen::Matrix3d Turn() const {
+    return 0.25 * (vv.trace() - ww) * Eigen::Matrix3d::Identity() - 0.5 * vv -
+           0.5 * Eigen::Matrix3d(Skew(vw));
+  }
+};
+
+// Where minorants of rotations touch: at the unit quaternion [v, w], w >= 0.
+struct Touching {
+  Eigen::Vector3d v, slope;
+  double w;
+
+  explicit Touching(const Eigen::Vector3d& at)
+      : v(at), w(std::sqrt(std::max(0.0, 1 - at.squaredNorm()))) {
+    slope = v / std::max(w, kSmallestScalar);
+  }
+  bool IsHalfTurn() const { return w < kSmallestScalar; }
+};
+
+// v' K v is quadratic in the quaternion as it is.  Lifted, where determinants count for nothing, it
+// holds better as k |v|^2, with k the smallest eigenvalue of K, and the rest less what vanishes
+// doubly where it touches.
+void AddSquare(const Eigen::Matrix3d& weight, const Touching& at, Part<3>* part) {
+  OfQuaternion of;
+  of.vv = weight;
+  if (!IsScalar(weight)) {
+    const Eigen::Matrix3d rest = weight - Smallest(weight) * Eigen::Matrix3d::Identity();
+    of.Reduce(rest, at.slope);
+    if (at.IsHalfTurn()) {
+      const Eigen::Vector3d missed = at.v - at.w * at.slope;
+      part->shortfall += missed.dot(rest * missed);
+      part->is_exact = false;
+    }
+  }
+  part->turn += of.Turn();
 }
 
-// v' K v of a quaternion [v, w] is quadratic in it, and so linear in R.  Lifted, where determinants
-// count for nothing, it holds better as the smallest eigenvalue k of K times |v|^2 less what
-// vanishes doubly at the quaternion [at, .]: of each axis u of K that is left over, (u' v - w u' at
-// / w_at)^2.
-Eigen::Matrix3d OfQuaternion(const Eigen::Matrix3d& weight, const Eigen::Vector3d& at) {
-  if (IsScalar(weight)) return TurnOf(weight, Eigen::Vector3d::Zero(), 0);
-  const double k = Smallest(weight);
-  const Eigen::Matrix3d rest = weight - k * Eigen::Matrix3d::Identity();
-  const double w_at = std::sqrt(std::max(0.0, 1 - at.squaredNorm()));
-  const Eigen::Vector3d slope = at / w_at;
-  return TurnOf(weight - rest, rest * slope, -slope.dot(rest * slope));
+// c' (turn), of the quaternion's vector part or of the rotation vector; not at a half turn.
+// docs/certificate.md derives beta, gamma and the rest.
+void AddLinear(const Eigen::Vector3d& c, const Touching& at, bool of_angle, Part<3>* part) {
+  double phi = 1, slope = 0, steepest = 0, most_bent = 0;  // |turn| / |v|, and of it by w
+  if (of_angle) {
+    const double sine = at.v.norm();
+    phi = sine > 1e-4 ? 2 * std::acos(at.w) / sine : 2 + sine * sine / 3;
+    slope = (sine > 1e-3 ? (at.w * phi - 2) / (sine * sine) : -2.0 / 3) * at.w / phi;
+    steepest = 2 * at.w / phi;
+    most_bent = M_PI * at.w / phi;
+  }
+  const double there = c.dot(at.v), beta = (1 - slope) / 2;
+  const double gamma = there > 0 ? 1 + steepest - beta : std::max(0.0, beta - 1 + most_bent / 2);
+  OfQuaternion of;
+  of.vw = c / (2 * at.w);
+  of.vv = beta * there * Eigen::Matrix3d::Identity();
+  of.ww = beta * there * (1 - 1 / (at.w * at.w));
+  Eigen::Matrix3d h = std::abs(there) * gamma * Eigen::Matrix3d::Identity();
+  if (const double size = c.norm(); size > 0)
+    h += 0.5 * (1 + steepest) * (size * Eigen::Matrix3d::Identity() + c * c.transpose() / size);
+  of.Reduce(h, at.slope);
+  part->turn += phi * of.Turn();
 }
 
-// Space: e and the turn each by itself.
+// r' K r of a rotation vector.
+void AddAngle(const Eigen::Matrix3d& weight, const Eigen::Vector3d& r, const Touching& at,
+              Part<3>* part) {
+  // Of the smallest weight the angle as in the plane, exactly.
+  const double kappa = IsScalar(weight) ? weight(0, 0) : Smallest(weight);
+  const double angle = r.norm(), touching = std::min(angle, kLargestAngle);
+  const double steepening = Steepening(touching);
+  part->turn += 0.25 * kappa * steepening * Eigen::Matrix3d::Identity();
+  if (touching < angle) {
+    part->is_exact = false;
+    part->shortfall +=
+        0.5 * kappa *
+        (angle * angle - touching * touching - steepening * (std::cos(touching) - std::cos(angle)));
+  }
+  if (IsScalar(weight)) return;
+  // Of the rest, |r|^2 >= 4 |v|^2 (1 + |v|^2 / 3), and of the product |v|^2 (v' rest v), a sum of
+  // squares, the tangent.
+  const Eigen::Matrix3d rest = weight - kappa * Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d pulled = rest * at.v;
+  AddSquare(2 * rest + 2.0 / 3 * (at.v * pulled.transpose() + pulled * at.v.transpose()), at, part);
+  part->is_exact = false;
+  part->shortfall += 0.5 * r.dot(rest * r) - 2 * at.v.dot(pulled) * (1 + at.v.squaredNorm() / 3);
+}
+
+// Space: 0.5 r' W r >= 0.5 e' T e + 0.5 turn' K turn + z' N r - 0.5 z' N z with N = W - diag(T, K),
+// none of them indefinite, and z = r where it touches.
 Part<3> SpatialMinorant(const Statement<3>& statement, const Eigen::Matrix<double, 6, 1>& r) {
   const auto& w = statement.w;
-  Eigen::Matrix3d we = w.topLeftCorner<3, 3>(), wv = w.bottomRightCorner<3, 3>();
-  const Eigen::Vector3d e = r.head<3>(), v = r.tail<3>();
+  const Eigen::Vector3d e = r.head<3>(), turn = r.tail<3>();
+  const bool of_angle = statement.turn == Program<3>::Turn::kAngle;
   Part<3> part;
-  if (statement.couples) {
-    // W >= diag(we', (1 - s) wv) with s the largest canonical correlation.
-    const Eigen::Matrix3d coupling = w.topRightCorner<3, 3>();
-    const Eigen::Matrix3d by_v = coupling * wv.ldlt().solve(coupling.transpose());
-    const double s = std::sqrt(std::max(
-        0.0, Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(by_v, we).eigenvalues()[2]));
-    if (s > 0) we -= by_v / s;
-    wv *= 1 - s;
-    part.is_exact = false;
-    part.shortfall = 0.5 * (r.dot(w * r) - e.dot(we * e) - v.dot(wv * v));
-  }
-  part.tau = IsScalar(we) ? we(0, 0) : Smallest(we);
-  part.pull = we * e - part.tau * e;
-  if (statement.turn == Program<3>::Turn::kNone) return part;
-  if (statement.turn == Program<3>::Turn::kQuaternion) {
-    part.turn = OfQuaternion(0.5 * wv, v);
+  if (statement.turn == Program<3>::Turn::kNone) {
+    const Eigen::Matrix3d we = w.topLeftCorner<3, 3>();
+    part.tau = IsScalar(we) ? we(0, 0) : Smallest(we);
+    part.pull = we * e - part.tau * e;
     return part;
   }
-  // The rotation vector: of its smallest weight the angle as in the plane, exactly.
-  const double kappa = IsScalar(wv) ? wv(0, 0) : Smallest(wv);
-  const double angle = v.norm(), touching = std::min(angle, kLargestAngle);
-  const double weight = Steepening(touching);
-  part.turn = 0.25 * kappa * weight * Eigen::Matrix3d::Identity();
-  if (touching < angle) {
-    part.is_exact = false;
-    part.shortfall +=
-        0.5 * kappa *
-        (angle * angle - touching * touching - weight * (std::cos(touching) - std::cos(angle)));
+  Eigen::Matrix3d we = w.topLeftCorner<3, 3>(), wv = w.bottomRightCorner<3, 3>();
+  const double half = turn.norm() / 2;
+  const double sinc = half > 1e-4 ? std::sin(half) / half : 1 - half * half / 6;
+  const Touching at(of_angle ? Eigen::Vector3d(0.5 * sinc * turn) : turn);
+  Eigen::Matrix<double, 6, 1> push = w * r;
+  if (statement.couples) {
+    // K = (1 - s) W_turn, s the largest canonical correlation; T is what that leaves.
+    const Eigen::Matrix3d coupling = w.topRightCorner<3, 3>();
+    const Eigen::Matrix3d by_turn = coupling * wv.ldlt().solve(coupling.transpose());
+    const double s = std::sqrt(std::max(
+        0.0,
+        Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(by_turn, we).eigenvalues()[2]));
+    if (s > 0) we -= by_turn / s;
+    wv *= 1 - s;
+    if (at.IsHalfTurn()) {
+      part.is_exact = false;
+      part.shortfall = 0.5 * (r.dot(push) - e.dot(we * e) - turn.dot(wv * turn));
+      push.head<3>() = we * e;
+    } else {
+      AddLinear(push.tail<3>() - wv * turn, at, of_angle, &part);
+    }
   }
-  if (IsScalar(wv)) return part;
-  const Eigen::Matrix3d rest = wv - kappa * Eigen::Matrix3d::Identity();
-  // Of the rest, by the quaternion's vector part u: |v| >= 2 |u| (1 + |u|^2 / 6), and of the
-  // product |u|^2 (u' rest u), a sum of squares, the tangent.
-  const double half = angle / 2, sinc = half > 1e-4 ? std::sin(half) / half : 1 - half * half / 6;
-  const Eigen::Vector3d u = 0.5 * sinc * v, pulled = rest * u;
-  part.turn +=
-      OfQuaternion(2 * rest + 2.0 / 3 * (u * pulled.transpose() + pulled * u.transpose()), u);
-  part.is_exact = false;
-  part.shortfall += 0.5 * v.dot(rest * v) - 2 * u.dot(pulled) * (1 + u.squaredNorm() / 3);
+  part.tau = IsScalar(we) ? we(0, 0) : Smallest(we);
+  part.pull = push.head<3>() - part.tau * e;
+  if (of_angle)
+    AddAngle(wv, turn, at, &part);
+  else
+    AddSquare(0.5 * wv, at, &part);
   return part;
 }
 
@@ -200,9 +274,11 @@ Part<kDim> Chordal(const Statement<kDim>& statement) {
   return part;
 }
 
-// The part in terms of [t_a R_a] and [t_b R_b].
+// The part in terms of [t_a R_a] and [t_b R_b].  `as_square`: of the turn the whole distance, with
+// what is constant for rotations.
 template <int kDim>
-typename Quadratic<kDim>::Term TermOf(const Statement<kDim>& statement, const Part<kDim>& part) {
+typename Quadratic<kDim>::Term TermOf(const Statement<kDim>& statement, const Part<kDim>& part,
+                                      bool as_square) {
   using Tall = Eigen::Matrix<double, kDim + 1, 1>;
   using Select = Eigen::Matrix<double, kDim + 1, kDim>;
   const Matrix<kDim>& a_turn = statement.a_offset.rotation;
@@ -224,6 +300,10 @@ typename Quadratic<kDim>::Term TermOf(const Statement<kDim>& statement, const Pa
   term.ab = part.tau * of_a * of_b.transpose() + pulled * of_b.transpose();
   if (statement.turn != Program<kDim>::Turn::kNone)
     term.ab -= frame * part.turn * frame_b.transpose();
+  if (as_square) {
+    term.aa += frame * part.turn * frame.transpose();
+    term.bb += frame_b * part.turn * frame_b.transpose();
+  }
   return term;
 }
 
@@ -246,6 +326,16 @@ Poses<kDim> Quadratic<kDim>::Times(const Poses<kDim>& poses) const {
 }
 
 template <int kDim>
+std::vector<typename Quadratic<kDim>::Block> Quadratic<kDim>::Diagonal(std::size_t nodes) const {
+  std::vector<Block> diagonal(nodes, Block::Zero());
+  for (const Term& term : terms) {
+    diagonal[static_cast<std::size_t>(term.a)] += term.aa;
+    diagonal[static_cast<std::size_t>(term.b)] += term.bb;
+  }
+  return diagonal;
+}
+
+template <int kDim>
 StandInResult<kDim> MakeStandIn(const Program<kDim>& program, const Poses<kDim>& poses,
                                 StandIn kind) {
   StandInResult<kDim> result;
@@ -261,10 +351,9 @@ StandInResult<kDim> MakeStandIn(const Program<kDim>& program, const Poses<kDim>&
       part = PlanarMinorant(statement, r);
     else
       part = SpatialMinorant(statement, r);
-    if (kind == StandIn::kChordal) result.constant += part.turn.trace();
     result.shortfall += part.shortfall;
     result.exact += part.is_exact;
-    result.quadratic.terms.push_back(TermOf<kDim>(statement, part));
+    result.quadratic.terms.push_back(TermOf<kDim>(statement, part, kind == StandIn::kChordal));
   }
   return result;
 }

@@ -19,13 +19,16 @@ struct Quadratic {
 
   /// X Q.
   Poses<kDim> Times(const Poses<kDim>& poses) const;
+  /// The blocks on the diagonal of Q, by node.
+  std::vector<Block> Diagonal(std::size_t nodes) const;
 };
 
 /// Which quadratic stands in for a program's cost.
 enum class StandIn {
   /// Nowhere above the cost; where possible of its value and gradient at the poses given.
   kMinorant,
-  /// Isotropic and chordal, 0.5 sum tau |t_b - t_a - R_a t_m|^2 + kappa |R_b - R_a R_m|^2, with
+  /// Isotropic and chordal, a sum of squares, 0.5 sum tau |t_b - t_a - R_a t_m|^2 + kappa |R_b -
+  /// R_a R_m|^2, with
   /// the means over the axes of the variances that W gives.
   kChordal,
 };
@@ -33,7 +36,6 @@ enum class StandIn {
 template <int kDim>
 struct StandInResult {
   Quadratic<kDim> quadratic;
-  double constant = 0;    ///< of kChordal's quadratic, which then is never below zero
   double cost = 0;        ///< of the program, at the poses given
   double shortfall = 0;   ///< cost less the minorant's value there; of kChordal 0
   std::size_t exact = 0;  ///< statements whose minorant has their value and gradient there

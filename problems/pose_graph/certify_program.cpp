@@ -183,7 +183,7 @@ class Reader {
     const bool is_whole = turns ? std::isfinite(TraceOfInverse(statement.w))
                                 : std::isfinite(TraceOfInverse(Eigen::Matrix<double, kDim, kDim>(
                                       statement.w.template topLeftCorner<kDim, kDim>())));
-    if (!is_whole) return complaints->Add("# that leave a component unmeasured");
+    if (!is_whole) return complaints->Add("# with a component that was not measured");
     if (statement.a != statement.b) {
       program_.statements.push_back(statement);
       return;
@@ -229,11 +229,13 @@ std::vector<bool> Program<kDim>::Pins() const {
   for (const Statement& statement : statements)
     pieces.Join(static_cast<std::uint32_t>(statement.a), static_cast<std::uint32_t>(statement.b));
   std::vector<bool> pins(is_point.size()), pinned(is_point.size());
-  for (std::uint32_t node = 0; node < pins.size(); ++node) {
-    const std::uint32_t piece = pieces.Root(node);
-    pins[node] = !pinned[piece];
-    pinned[piece] = true;
-  }
+  // A point cannot keep its piece from turning.
+  for (const bool points : {false, true})
+    for (std::uint32_t node = 0; node < pins.size(); ++node) {
+      const std::uint32_t piece = pieces.Root(node);
+      if (is_point[node] != points || pinned[piece]) continue;
+      pins[node] = pinned[piece] = true;
+    }
   return pins;
 }
 

@@ -64,7 +64,7 @@ struct Program {
 
   int NodeCount() const { return static_cast<int>(is_point.size()); }
   std::vector<std::pair<int, int>> Links() const;
-  /// By node, whether its translation is held: one a piece that statements join.
+  /// By node, whether it is what its piece is held at: one node a piece that statements join.
   std::vector<bool> Pins() const;
 
   Poses<kDim> Read(const Values& values) const;
