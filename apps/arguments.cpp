@@ -72,7 +72,8 @@ void AddSolve(CLI::App* app, Chosen* chosen) {
   CLI::App* sub =
       AddCommand(app, "solve", "solve a recorded problem",
                  "  graticule solve city10000.g2o.gz -o solved.g2o --plot city.svg\n"
-                 "  graticule solve problem.fg --config robust-huber --set threads=2 --json",
+                 "  graticule solve problem.fg --config robust-huber --set threads=2 --json\n"
+                 "  graticule solve map.g2o --reject-outliers -o map.fg",
                  command, chosen);
   sub->add_option("FILE", command->file, ".fg .g2o .graph (TORO) .txt/.bal (BAL), each also .gz")
       ->required();
@@ -89,6 +90,21 @@ void AddSolve(CLI::App* app, Chosen* chosen) {
                 "prove that a pose graph's solution is globally optimal; where that is refused, "
                 "look for a cheaper one");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
+  sub->add_flag("--reject-outliers{gnc-tls}", command->reject,
+                "find factors that are wrong, and solve without them: =gnc-tls (the default), "
+                "=gnc-gm, =pcm")
+      ->check(CLI::IsMember({"gnc-tls", "gnc-gm", "pcm"}));
+  sub->add_option("--trust", command->trust, "sources whose factors are never rejected: a,b")
+      ->delimiter(',')
+      ->type_name("SOURCE")
+      ->allow_extra_args(false);
+  sub->add_option("--suspect", command->suspect,
+                  "sources whose factors may be rejected, beside closures between poses: a,b")
+      ->delimiter(',')
+      ->type_name("SOURCE")
+      ->allow_extra_args(false);
+  sub->add_flag("--drop-rejected", command->drop_rejected,
+                "write the solved problem without the rejected factors");
   AddChoosing(sub, &command->choosing);
   AddComparing(sub, &command->comparing);
   AddReading(sub, &command->reading);
@@ -160,15 +176,18 @@ void AddCheck(CLI::App* app, Chosen* chosen) {
 
 void AddSimulate(CLI::App* app, Chosen* chosen) {
   auto command = std::make_shared<SimulateCommand>();
-  CLI::App* sub =
-      AddCommand(app, "simulate", "make a recorded problem whose truth is known",
-                 "  graticule simulate city --robots 4 --poses 1000 -o city.fg --truth truth.tum\n"
-                 "  graticule simulate bundle --cameras 20 --points 500 -o ring.fg",
-                 command, chosen);
+  CLI::App* sub = AddCommand(
+      app, "simulate", "make a recorded problem whose truth is known",
+      "  graticule simulate city --robots 4 --poses 1000 -o city.fg --truth truth.tum\n"
+      "  graticule simulate bundle --cameras 20 --points 500 -o ring.fg\n"
+      "  graticule simulate corrupt intel.g2o --outlier-fraction 0.3 --seed 7 -o bad.g2o",
+      command, chosen);
   sub->add_option("KIND", command->kind,
-                  "city: a multi-robot pose graph; bundle: cameras and points")
+                  "city: a multi-robot pose graph; bundle: cameras and points; corrupt: a recorded "
+                  "pose graph with false loop closures added")
       ->required()
-      ->check(CLI::IsMember({"city", "bundle"}));
+      ->check(CLI::IsMember({"city", "bundle", "corrupt"}));
+  sub->add_option("IN", command->input, "the problem to corrupt");
   sub->add_option("-o,--output", command->output, "the problem; the format by its ending")
       ->required();
   sub->add_flag("--binary", command->binary, "write .fg with binary numbers");
@@ -185,6 +204,11 @@ void AddSimulate(CLI::App* app, Chosen* chosen) {
   sub->add_option("--landmarks", command->landmarks)
       ->check(CLI::Range(0, 10000000))
       ->capture_default_str();
+  sub->add_option("--outlier-kind", command->outlier_kind,
+                  "of corrupt: false closures one by one, in runs that agree with each other, or "
+                  "between near poses")
+      ->check(CLI::IsMember({"random", "grouped", "local"}))
+      ->capture_default_str();
   sub->add_option("--outlier-fraction", command->outlier_fraction, "of the loop closures")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
@@ -198,6 +222,7 @@ void AddSimulate(CLI::App* app, Chosen* chosen) {
       ->check(CLI::Range(4, 10000000))
       ->capture_default_str();
   sub->add_option("--seed", command->seed)->capture_default_str();
+  AddReading(sub, &command->reading);
 }
 
 void AddLists(CLI::App* app, Chosen* chosen) {

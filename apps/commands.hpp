@@ -38,6 +38,9 @@ struct SolveCommand {
   bool binary = false;
   bool certify = false;
   bool json = false;
+  std::string reject;                       ///< "" or a method: "gnc-tls"
+  std::vector<std::string> trust, suspect;  ///< sources
+  bool drop_rejected = false;
 };
 
 struct CompareCommand {
@@ -70,7 +73,10 @@ struct CheckCommand {
 
 struct SimulateCommand {
   std::string kind = "city";
+  std::string input;  ///< of corrupt
+  Reading reading;
   std::string output, truth, outliers;
+  std::string outlier_kind = "random";
   bool binary = false;
   int robots = 4, poses = 1000, dimension = 2, landmarks = 0;
   int cameras = 20, points = 500;

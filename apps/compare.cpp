@@ -15,6 +15,7 @@
 #include "graticule/solver/stopwatch.hpp"
 #include "ground_truth.hpp"
 #include "problem.hpp"
+#include "rejection.hpp"
 
 namespace graticule::apps {
 namespace {
@@ -51,16 +52,15 @@ Report RunOnce(const std::string& file, const Reading& reading, const Registry& 
   silent.quiet = true;
   Recording recording = Load(file, reading, types, silent);
   const PhaseTime load = clock.Lap();
-  Initialise(&recording.graph, configuration.initialise.initialise, recording.has_initial_guess);
-  const PhaseTime initialise = clock.Lap();
-  Solution solution = Solve(recording.graph, configuration.solve, Watch(console, what));
-  Report& report = solution.report;
+  ConfiguredSolution solved = SolveAsConfigured(&recording.graph, recording.has_initial_guess,
+                                                configuration, Watch(console, what));
+  Report& report = solved.solution.report;
   if (recording.repaired) report.warnings.push_back(ToString(*recording.repaired));
   report.timing.load = load;
-  report.timing.initialise = initialise;
+  report.timing.initialise = solved.initialise;
   report.timing.total = total.Elapsed();
   if (report.termination != Termination::kFailed)
-    *accuracy = truth.Judge(recording.graph, solution.values);
+    *accuracy = truth.Judge(recording.graph, solved.solution.values);
   return std::move(report);
 }
 

@@ -37,9 +37,12 @@ bool Has(const std::vector<OptionRow<Options>>& table, std::string_view name) {
 void Configuration::Set(std::string_view option, std::string_view value) {
   if (Has(InitialiseOptionTable(), option))
     return SetOption(InitialiseOptionTable(), option, value, &initialise);
+  if (Has(RejectionOptionTable(), option))
+    return SetOption(RejectionOptionTable(), option, value, &rejection);
   if (Has(SolveOptionTable(), option)) return SetOption(SolveOptionTable(), option, value, &solve);
   std::vector<std::string_view> names;
   for (const auto& row : InitialiseOptionTable()) names.push_back(row.name);
+  for (const auto& row : RejectionOptionTable()) names.push_back(row.name);
   for (const auto& row : SolveOptionTable()) names.push_back(row.name);
   throw Error("there is no option '" + std::string(option.substr(0, 60)) + "'" +
                   DidYouMean(option, names) + "; `graticule options` lists them",
@@ -102,6 +105,8 @@ std::vector<OptionLine> DescribeOptions() {
   std::vector<OptionLine> lines;
   for (const auto& row : InitialiseOptionTable())
     lines.push_back({row.name, row.accepts, row.get(InitialiseOptions()), row.help});
+  for (const auto& row : RejectionOptionTable())
+    lines.push_back({row.name, row.accepts, row.get(RejectionOptions()), row.help});
   for (const auto& row : SolveOptionTable())
     lines.push_back({row.name, row.accepts, row.get(SolveOptions()), row.help});
   return lines;

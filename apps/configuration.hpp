@@ -4,14 +4,16 @@
 #include <vector>
 
 #include "graticule/problems/pose_graph/initialise.hpp"
+#include "graticule/problems/pose_graph/robustify.hpp"
 #include "graticule/solver/options.hpp"
 
 namespace graticule::apps {
 
-/// How to solve, by name: where to start from, and the solver's options.
+/// How to solve, by name: where to start from, what to reject, and the solver's options.
 struct Configuration {
   std::string name = "default";
   InitialiseOptions initialise;
+  RejectionOptions rejection;
   SolveOptions solve;
 
   /// Throws Error (kUsage).

@@ -7,6 +7,7 @@
 #include "graticule/io/file.hpp"
 #include "graticule/io/trajectory.hpp"
 #include "graticule/problems/bundle/simulate.hpp"
+#include "graticule/problems/pose_graph/corrupt.hpp"
 #include "graticule/problems/pose_graph/simulate.hpp"
 #include "problem.hpp"
 
@@ -39,6 +40,40 @@ void Write(const SimulateCommand& command, const Graph& graph, const Values& tru
                            graph.VariableCount(), graph.FactorCount(), CountFactors(graph)));
 }
 
+int Corrupt(const SimulateCommand& command, const Console& console) {
+  if (!command.truth.empty())
+    throw Error("--truth: nobody knows the truth of a recorded problem; solve it as it is",
+                ErrorKind::kUsage);
+  if (command.outlier_fraction <= 0)
+    throw Error("simulate corrupt needs --outlier-fraction, the share of false closures",
+                ErrorKind::kUsage);
+  Recording recording = Load(command.input, command.reading, LoadTypes(command.reading), console);
+  CorruptOptions options;
+  options.fraction = command.outlier_fraction;
+  options.kind = command.outlier_kind == "grouped" ? Corruption::kGrouped
+                 : command.outlier_kind == "local" ? Corruption::kLocal
+                                                   : Corruption::kRandom;
+  options.seed = command.seed;
+  Corrupted corrupted =
+      About(command.input, [&] { return AddFalseClosures(recording.graph, options); });
+  recording.graph = std::move(corrupted.graph);
+  recording.made_by = MadeBy(
+      fmt::format("simulate corrupt {} --outlier-fraction {} --outlier-kind {} --seed {}",
+                  command.input, command.outlier_fraction, command.outlier_kind, command.seed));
+  recording.solved_by.clear();
+  recording.report.clear();
+  WriteOptions writing;
+  writing.binary = command.binary;
+  for (const std::string& note : WriteProblem(command.output, recording, writing))
+    console.Note(command.output + ": " + note);
+  if (!command.outliers.empty())
+    WriteFile(command.outliers, nlohmann::json(corrupted.outliers).dump() + "\n");
+  console.Note(fmt::format("{}: {} false closures added to {} factors", command.output,
+                           corrupted.outliers.size(),
+                           recording.graph.FactorCount() - corrupted.outliers.size()));
+  return kDone;
+}
+
 }  // namespace
 
 int Run(const SimulateCommand& command, const Console& console) {
@@ -48,6 +83,12 @@ int Run(const SimulateCommand& command, const Console& console) {
   ExpectEnding(command.truth, "--truth", truths);
   for (const std::string& path : {command.output, command.truth, command.outliers})
     ExpectWritable(path);
+  if (command.kind == "corrupt" && command.input.empty())
+    throw Error("simulate corrupt needs the problem to corrupt", ErrorKind::kUsage);
+  if (command.kind != "corrupt" && !command.input.empty())
+    throw Error("simulate " + command.kind + " reads no problem, found '" + command.input + "'",
+                ErrorKind::kUsage);
+  if (command.kind == "corrupt") return Corrupt(command, console);
 
   if (command.kind == "bundle") {
     RingOptions options;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "certificate.hpp"
 #include "commands.hpp"
@@ -13,12 +14,14 @@
 #include "graticule/io/svg.hpp"
 #include "graticule/io/trajectory.hpp"
 #include "graticule/problems/pose_graph/drawing.hpp"
+#include "graticule/problems/subgraph.hpp"
 #include "graticule/solver/plugin.hpp"
 #include "graticule/solver/provenance.hpp"
 #include "graticule/solver/stopwatch.hpp"
 #include "ground_truth.hpp"
 #include "marginals.hpp"
 #include "problem.hpp"
+#include "rejection.hpp"
 
 namespace graticule::apps {
 namespace {
@@ -29,6 +32,7 @@ void PrintSummary(const SolveCommand& command, const Graph& graph, const Report&
   fmt::print("  variables  {} ({})\n", report.variables, CountVariables(graph));
   fmt::print("  factors    {} ({})\n", report.factors, CountFactors(graph));
   fmt::print("  start      {}\n", context.initialisation);
+  if (context.rejection) PrintRejection(*context.rejection);
   fmt::print("  cost       {:.9g} -> {:.9g}  (0.5 r'Wr)", report.initial_cost, report.final_cost);
   if (std::abs(report.final_objective - report.final_cost) > 1e-9 * report.final_cost)
     fmt::print(", with losses {:.9g}", report.final_objective);
@@ -69,13 +73,45 @@ void PrintSummary(const SolveCommand& command, const Graph& graph, const Report&
 }
 
 // What a solved problem says of its solution, on one line.
-std::string SolutionLine(const Report& report) {
-  return nlohmann::ordered_json({{"termination", ToString(report.termination)},
+std::string SolutionLine(const Report& report, const SolveCommand& command,
+                         const RejectionReport& rejection) {
+  nlohmann::ordered_json line = {{"termination", ToString(report.termination)},
                                  {"iterations", report.Steps()},
                                  {"initial_cost", report.initial_cost},
                                  {"final_cost", report.final_cost},
-                                 {"final_objective", report.final_objective}})
-      .dump();
+                                 {"final_objective", report.final_objective}};
+  if (rejection.method != Rejection::kNone) {
+    line["rejection"] = ToString(rejection.method);
+    if (command.drop_rejected) {
+      line["dropped"] = rejection.rejected.size();
+    } else {
+      line["rejected"] = nlohmann::ordered_json::array();
+      for (const RejectionReport::Factor& factor : rejection.rejected)
+        line["rejected"].push_back(factor.id);
+    }
+  }
+  return line.dump();
+}
+
+// The words of the command that stand for options.
+Configuration ChooseRejection(const SolveCommand& command) {
+  Configuration configuration = Choose(command.choosing);
+  std::string method = command.reject;
+  std::replace(method.begin(), method.end(), '-', '_');
+  if (!method.empty()) configuration.Set("reject_outliers", method);
+  const auto list = [&](const std::vector<std::string>& sources, const char* option) {
+    std::string text;
+    for (const std::string& source : sources) text += (text.empty() ? "" : ",") + source;
+    if (!text.empty()) configuration.Set(option, text);
+  };
+  list(command.trust, "trusted_sources");
+  list(command.suspect, "suspect_sources");
+  if (configuration.rejection.reject_outliers != Rejection::kNone) return configuration;
+  for (const auto& [is_set, word] : {std::pair(!command.trust.empty(), "--trust"),
+                                     std::pair(!command.suspect.empty(), "--suspect"),
+                                     std::pair(command.drop_rejected, "--drop-rejected")})
+    if (is_set) throw Error(std::string(word) + " needs --reject-outliers", ErrorKind::kUsage);
+  return configuration;
 }
 
 // Every output is tried, also after one failed: a full disk for the plot must not cost the
@@ -121,7 +157,7 @@ void CheckOutputs(const SolveCommand& command) {
 int Run(const SolveCommand& command, const Console& console) {
   const Stopwatch total;
   CheckOutputs(command);
-  const Configuration configuration = Choose(command.choosing);
+  const Configuration configuration = ChooseRejection(command);
   const Registry types = LoadTypes(command.reading);
 
   Stopwatch clock;
@@ -136,42 +172,48 @@ int Run(const SolveCommand& command, const Console& console) {
   const bool draws = !command.plot.empty() || Ending(command.report) == ".html";
   Values before;
   if (draws && has_guess) before = graph.InitialValues();
-  InitialiseReport start = Initialise(&graph, configuration.initialise.initialise, has_guess);
-  const PhaseTime initialise = clock.Lap();
-  if (draws && !has_guess) before = graph.InitialValues();
 
   // From here on Ctrl-C ends the solve, and does not cut a file that is being written.
   const Interruptible interruptible;
-  Solution solution = About(command.file, [&] {
-    return Solve(graph, configuration.solve, Watch(console, command.file));
+  ConfiguredSolution solved = About(command.file, [&] {
+    return SolveAsConfigured(&graph, has_guess, configuration, Watch(console, command.file));
   });
+  Solution& solution = solved.solution;
+  if (draws && !has_guess) before = graph.InitialValues();
   console.Progress("");
+  // What certificate, marginals and drawings are of.  The graph itself keeps all its factors.
+  std::optional<Graph> without;
+  if (!solved.rejection.rejected.empty()) without = KeepFactors(graph, solved.is_kept);
+  Graph& kept = without ? *without : graph;
   ReportContext context;
   if (command.certify && solution.report.termination != Termination::kFailed) {
     context.certificate = About(command.file, [&] {
-      return CertifySolution(graph, configuration.solve, Watch(console, command.file), &solution);
+      return CertifySolution(kept, configuration.solve, Watch(console, command.file), &solution);
     });
     console.Progress("");
-    if (context.certificate->improved) start.summary += "; then solved again";
+    if (context.certificate->improved) solved.initialisation += "; then solved again";
   }
   Report& report = solution.report;
   if (recording.repaired) report.warnings.push_back(ToString(*recording.repaired));
   report.timing.load = load;
-  report.timing.initialise = initialise;
+  report.timing.initialise = solved.initialise;
   if (report.termination == Termination::kFailed) {
     console.Error(command.file + ": " + report.message);
     return kOtherFailure;
   }
   graph.SetValues(solution.values);
+  kept.SetValues(solution.values);
+  if (solved.rejection.method != Rejection::kNone)
+    context.rejection = Summarise(graph, solved.rejection);
 
   MarginalsResult marginals;
   if (!marginal_keys.empty())
     marginals =
-        About(command.file, [&] { return FindMarginals(graph, solution.values, marginal_keys); });
+        About(command.file, [&] { return FindMarginals(kept, solution.values, marginal_keys); });
 
   context.file = command.file;
   context.configuration = configuration.name;
-  context.initialisation = start.summary;
+  context.initialisation = solved.initialisation;
   context.repaired = recording.repaired;
   context.accuracy = truth.Judge(graph, solution.values);
   recording.has_initial_guess = true;
@@ -183,8 +225,15 @@ int Run(const SolveCommand& command, const Console& console) {
   outputs.Try(command.output, [&] {
     WriteOptions options;
     options.binary = command.binary;
-    recording.report = SolutionLine(report);
-    for (const std::string& note : WriteProblem(command.output, recording, options))
+    recording.report = SolutionLine(report, command, solved.rejection);
+    Recording dropped(Registry{});
+    const bool drop = command.drop_rejected && without;
+    if (drop) {
+      dropped = recording;
+      dropped.graph = kept;
+    }
+    for (const std::string& note :
+         WriteProblem(command.output, drop ? dropped : recording, options))
       console.Note(command.output + ": " + note);
   });
   for (const auto& [path, family] : trajectories)
@@ -193,8 +242,8 @@ int Run(const SolveCommand& command, const Console& console) {
     });
   std::string drawing;
   if (draws) {
-    GraphPlot plot = PlotOf(graph, before, solution.values, command.file);
-    plot.before_label = has_guess ? "Before: as in the file" : "Before: " + ToString(start.used);
+    GraphPlot plot = PlotOf(kept, before, solution.values, command.file);
+    plot.before_label = has_guess ? "Before: as in the file" : "Before: " + solved.start_label;
     drawing = DrawGraph(plot);
   }
   outputs.Try(command.plot, [&] {

@@ -269,6 +269,40 @@ std::string Worst(const Report& report) {
                                    rows));
 }
 
+std::string Rejection(const ReportContext& context) {
+  if (!context.rejection) return {};
+  constexpr std::size_t kMost = 1000;
+  const RejectionSummary& rejection = *context.rejection;
+  std::vector<std::vector<Cell>> rows;
+  for (const RejectedFactor& factor : rejection.rejected) {
+    if (rows.size() == kMost) break;
+    std::string keys;
+    for (const Key& key : factor.keys) keys += (keys.empty() ? "" : "  ") + key.ToString();
+    rows.push_back({{keys, "key"},
+                    {factor.type, "key"},
+                    {factor.source.empty() ? "–" : factor.source},
+                    {ReadableCount(factor.id)},
+                    {ReadableNumber(factor.chi2, 4)},
+                    {ReadableNumber(factor.limit, 4)}});
+  }
+  std::string body = html::Paragraph(fmt::format(
+      "{} of {} suspect factors rejected by {}, beyond the {} quantile with the noise times {}; {} "
+      "factors trusted.",
+      rejection.rejected.size(), rejection.suspects, rejection.method, rejection.inlier_quantile,
+      ReadableNumber(rejection.inlier_noise_scale, 3), rejection.trusted));
+  if (!rows.empty())
+    body += html::Details(
+        rejection.rejected.size() > kMost ? fmt::format("The first {}", kMost) : "All of them",
+        html::Table({{"keys", false, {}},
+                     {"type", false, {}},
+                     {"source", false, {}},
+                     {"factor", true, "position in the graph, counted from 0"},
+                     {"χ²", true, "at the solution without it"},
+                     {"limit", true, "the χ² up to which it would have been kept"}},
+                    rows));
+  return html::Section("Rejected factors", body);
+}
+
 std::string Pairs(const std::vector<std::pair<std::string, std::string>>& pairs) {
   std::vector<std::vector<Cell>> rows;
   for (const auto& [name, value] : pairs) rows.push_back({{name}, {value, "key"}});
@@ -314,7 +348,7 @@ std::string ReportHtml(const Report& report, const ReportContext& context,
   if (!graph_svg.empty()) body += html::Section("The graph", html::Figure(graph_svg));
   if (context.accuracy)
     body += html::Section("Poses against the truth", AccuracyHtml({{"", &*context.accuracy}}));
-  body += Convergence(report) + Shares(report) + Worst(report) + Times(report) +
+  body += Rejection(context) + Convergence(report) + Shares(report) + Worst(report) + Times(report) +
           Origin(report, context);
   return html::Page(title, Header(report, context), body);
 }

@@ -49,6 +49,29 @@ Json Worst(const Report& report) {
   return worst;
 }
 
+Json Rejection(const RejectionSummary& rejection) {
+  Json sources = Json::object(), rejected = Json::array();
+  for (const auto& [source, count] : rejection.suspect_sources) sources[source] = count;
+  for (const RejectedFactor& factor : rejection.rejected) {
+    Json keys = Json::array();
+    for (const Key& key : factor.keys) keys.push_back(key.ToString());
+    rejected.push_back({{"factor", factor.id},
+                        {"type", factor.type},
+                        {"source", factor.source},
+                        {"keys", std::move(keys)},
+                        {"chi2", factor.chi2},
+                        {"limit", factor.limit}});
+  }
+  return {{"method", rejection.method},
+          {"trusted", rejection.trusted},
+          {"suspects", rejection.suspects},
+          {"suspect_sources", std::move(sources)},
+          {"inlier_quantile", rejection.inlier_quantile},
+          {"inlier_noise_scale", rejection.inlier_noise_scale},
+          {"seconds", rejection.seconds},
+          {"rejected", std::move(rejected)}};
+}
+
 Json History(const Report& report) {
   Json history = Json::array();
   for (const Iteration& step : report.iterations)
@@ -185,6 +208,7 @@ std::string ReportJson(const Report& report, const ReportContext& context) {
   json["accuracy"] = AgainstTruth(context.accuracy);
   json["cost_by_type"] = Shares(report);
   json["worst_factors"] = Worst(report);
+  if (context.rejection) json["rejection"] = Rejection(*context.rejection);
   json["history"] = History(report);
   json["options"] = Object(report.options);
   json["provenance"] = Object(report.provenance);

@@ -1,0 +1,99 @@
+#include "rejection.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "console.hpp"
+#include "graticule/solver/stopwatch.hpp"
+
+namespace graticule::apps {
+namespace {
+
+constexpr std::size_t kPrinted = 10;
+
+}  // namespace
+
+ConfiguredSolution SolveAsConfigured(Graph* graph, bool file_has_guess,
+                                     const Configuration& configuration, const Observer& watch) {
+  ConfiguredSolution result;
+  Stopwatch clock;
+  const bool rejects = configuration.rejection.reject_outliers != Rejection::kNone;
+  const bool from_values =
+      !rejects || configuration.initialise.initialise != InitialGuess::kAutomatic;
+  if (from_values) {
+    const InitialiseReport start =
+        Initialise(graph, configuration.initialise.initialise, file_has_guess);
+    result.initialisation = start.summary;
+    result.start_label = ToString(start.used);
+  } else {
+    result.initialisation = "trusted factors";
+    result.start_label = result.initialisation;
+  }
+  result.initialise = clock.Lap();
+  if (!rejects) {
+    result.solution = Solve(*graph, configuration.solve, watch);
+    return result;
+  }
+  RobustSolution robust = SolveWithoutOutliers(*graph, configuration.rejection, configuration.solve,
+                                               watch, from_values);
+  result.solution = std::move(robust.solution);
+  result.rejection = std::move(robust.rejection);
+  result.is_kept = std::move(robust.is_kept);
+  graph->SetValues(robust.start);
+  std::vector<std::string>& warnings = result.solution.report.warnings;
+  warnings.insert(warnings.end(), result.rejection.warnings.begin(),
+                  result.rejection.warnings.end());
+  return result;
+}
+
+RejectionSummary Summarise(const Graph& graph, const RejectionReport& rejection) {
+  RejectionSummary summary;
+  summary.method = ToString(rejection.method);
+  summary.suspects = rejection.suspects.size();
+  summary.trusted = rejection.factors - summary.suspects;
+  summary.suspect_sources = rejection.suspect_sources;
+  summary.inlier_quantile = rejection.inlier_quantile;
+  summary.inlier_noise_scale = rejection.inlier_noise_scale;
+  summary.seconds = rejection.seconds;
+  for (const RejectionReport::Factor& rejected : rejection.rejected) {
+    const FactorView factor = graph.FactorAt(rejected.id);
+    RejectedFactor row;
+    row.id = rejected.id;
+    row.type = factor.type->name;
+    row.source = factor.source;
+    for (const VariableId id : factor.variables) row.keys.push_back(graph.KeyOf(id));
+    row.chi2 = rejected.chi2;
+    row.limit = rejected.limit;
+    summary.rejected.push_back(std::move(row));
+  }
+  return summary;
+}
+
+void PrintRejection(const RejectionSummary& rejection) {
+  std::string sources;
+  for (const auto& [source, count] : rejection.suspect_sources)
+    sources += fmt::format("{}{} {}", sources.empty() ? "" : ", ", count,
+                           source.empty() ? "without a source" : source);
+  fmt::print("  suspect    {} of {} factors ({}); the others are trusted\n", rejection.suspects,
+             rejection.suspects + rejection.trusted, sources);
+  fmt::print("  rejected   {} by {} in {}: chi2 beyond the {} quantile", rejection.rejected.size(),
+             rejection.method, Seconds(rejection.seconds), rejection.inlier_quantile);
+  if (rejection.inlier_noise_scale != 1)
+    fmt::print(", noise times {:.3g}", rejection.inlier_noise_scale);
+  fmt::print("\n");
+  for (std::size_t i = 0; i < std::min(kPrinted, rejection.rejected.size()); ++i) {
+    const RejectedFactor& factor = rejection.rejected[i];
+    std::string keys;
+    for (std::size_t k = 0; k < std::min<std::size_t>(factor.keys.size(), 4); ++k)
+      keys += " " + factor.keys[k].ToString();
+    fmt::print("             {:<10.4g} {}{}{}{}\n", factor.chi2, factor.type, keys,
+               factor.keys.size() > 4 ? " ..." : "",
+               factor.source.empty() ? "" : ", " + factor.source);
+  }
+  if (rejection.rejected.size() > kPrinted)
+    fmt::print("             ... and {} more, all of them in --json and --report\n",
+               rejection.rejected.size() - kPrinted);
+}
+
+}  // namespace graticule::apps
