@@ -77,8 +77,12 @@ void PrintRejection(const RejectionSummary& rejection) {
                            source.empty() ? "without a source" : source);
   fmt::print("  suspect    {} of {} factors ({}); the others are trusted\n", rejection.suspects,
              rejection.suspects + rejection.trusted, sources);
-  fmt::print("  rejected   {} by {} in {}: chi2 beyond the {} quantile", rejection.rejected.size(),
-             rejection.method, Seconds(rejection.seconds), rejection.inlier_quantile);
+  fmt::print("  rejected   {} by {} in {}: {} the {} quantile", rejection.rejected.size(),
+             rejection.method, Seconds(rejection.seconds),
+             rejection.method == ToString(Rejection::kPcm)
+                 ? "not in the largest sets that agree pair by pair within"
+                 : "chi2 beyond",
+             rejection.inlier_quantile);
   if (rejection.inlier_noise_scale != 1)
     fmt::print(", noise times {:.3g}", rejection.inlier_noise_scale);
   fmt::print("\n");

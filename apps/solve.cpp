@@ -268,7 +268,7 @@ int Run(const SolveCommand& command, const Console& console) {
     if (!marginal_keys.empty()) json["marginals"] = MarginalsJson(marginals);
     fmt::print("{}\n", json.dump(1));
   } else {
-    PrintSummary(command, graph, report, context);
+    PrintSummary(command, kept, report, context);
     if (context.certificate) PrintCertificate(*context.certificate);
     if (!marginal_keys.empty()) PrintMarginals(marginals);
     for (const std::string& path : outputs.Written()) fmt::print("  wrote      {}\n", path);
