@@ -112,11 +112,18 @@ std::map<std::string, double> ReadBestKnown(const std::string& path) {
   return best;
 }
 
-// Gaps to the best known costs; to the lowest of this comparison where none is known.
+// Gaps to the best known costs; to the lowest of this comparison where none is known.  A run that
+// rejected factors answers another question: it has no gap.
 void AddGaps(const std::map<std::string, double>& best, std::vector<ComparisonRun>* runs) {
   std::map<std::string, double> lowest;
+  std::map<std::string, std::size_t> factors;
+  for (const ComparisonRun& run : *runs)
+    factors[run.file] = std::max(factors[run.file], run.report.factors);
+  const auto rejected = [&](const ComparisonRun& run) {
+    return run.report.factors < factors[run.file];
+  };
   for (const ComparisonRun& run : *runs) {
-    if (!run.error.empty() || !std::isfinite(run.report.final_cost)) continue;
+    if (!run.error.empty() || rejected(run) || !std::isfinite(run.report.final_cost)) continue;
     const auto entry = lowest.emplace(run.file, run.report.final_cost).first;
     entry->second = std::min(entry->second, run.report.final_cost);
   }
@@ -130,6 +137,7 @@ void AddGaps(const std::map<std::string, double>& best, std::vector<ComparisonRu
     // Where the optimum is zero a ratio means nothing: then relative to the start, far below it.
     run.gap = (run.report.final_cost - run.best_known) /
               std::max({std::abs(run.best_known), 1e-12 * run.report.initial_cost, 1e-300});
+    if (rejected(run)) run.gap = std::nan("");
   }
 }
 

@@ -127,8 +127,8 @@ Answer Reject(const Graph& graph, std::string method) {
       attempts.begin(), attempts.end(),
       [](const auto& a, const auto& b) { return a.truncated_cost < b.truncated_cost; });
   if (best != attempts.end())
-    answer.remark = fmt::format("{} attempts, {}, cost {:.6g}", attempts.size(), best->start,
-                                best->truncated_cost);
+    answer.remark = fmt::format("{} attempts ({} rounds), {}, cost {:.6g}", attempts.size(),
+                                robust.rejection.rounds, best->start, best->truncated_cost);
   if (options.inlier_noise_scale == 0)
     answer.remark += fmt::format(", scale {:.3g}", robust.rejection.inlier_noise_scale);
   return answer;

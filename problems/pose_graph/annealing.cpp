@@ -17,6 +17,8 @@ constexpr double kSettled = 1e-6;
 // Where a truncated surrogate is as good as the robust cost itself: weights other than 0 and 1 are
 // left for chi2 within 1 % of the limit only.
 constexpr double kLastMu = 100;
+// What has not settled by then will not.
+constexpr int kLastRounds = 60;
 
 }  // namespace
 
@@ -153,7 +155,7 @@ AnnealingResult Annealing::Run(State* state, double mu) {
     relax = go_on();
   }
   double cost_before = -1;
-  for (;;) {
+  for (int last = 0; last < kLastRounds; ++last) {
     const bool at_end = WeighAll(mu, state) == 0 || (!truncated && mu <= 1);
     const double cost = Solve(state);
     if (at_end && std::abs(cost - cost_before) <= kSettled * cost) break;

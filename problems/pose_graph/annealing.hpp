@@ -21,7 +21,7 @@ enum class RobustCost : std::uint8_t {
 struct AnnealingOptions {
   RobustCost cost = RobustCost::kTruncated;
   double step = 1.4;         ///< how much less convex each round is than the one before
-  int inner_iterations = 3;  ///< the solver's steps in a round
+  int inner_iterations = 2;  ///< the solver's steps in a round
   int max_rounds = 200;
   /// How rounds are solved.  Its loss replaces those of the factors that are not suspects; its time
   /// limit is for all rounds together.

@@ -33,6 +33,8 @@ constexpr std::size_t kSecondChances = 50000;
 constexpr int kScalings = 8;
 // Below this, what is kept agrees so much better than its noise says that a wrong suspect may pass.
 constexpr double kTooGood = 0.01;
+// Two answers are one where their costs differ by less, relatively: by a suspect at its limit.
+constexpr double kSame = 1e-3;
 
 std::vector<std::string> SplitList(const std::string& text) {
   std::vector<std::string> parts;
@@ -165,13 +167,17 @@ class Robustifier {
   }
 
   bool Take(AnnealingResult result, const std::string& start) {
+    was_cancelled_ |= result.was_cancelled;
+    result_.rejection.rounds += result.rounds;
     RejectionReport& report = result_.rejection;
     const auto inliers = std::count(result.is_inlier.begin(), result.is_inlier.end(), true);
     report.attempts.push_back({start, result.truncated_cost,
                                suspects_.size() - static_cast<std::size_t>(inliers),
                                result.rounds});
     const bool better = best_.is_inlier.empty() || result.truncated_cost < best_.truncated_cost;
-    is_confirmed_ = result.is_inlier == best_.is_inlier || (!better && is_confirmed_);
+    const bool same = std::abs(result.truncated_cost - best_.truncated_cost) <=
+                      kSame * std::min(result.truncated_cost, best_.truncated_cost);
+    is_confirmed_ = !best_.is_inlier.empty() && (same || (!better && is_confirmed_));
     if (better) best_ = std::move(result);
     return better;
   }
@@ -188,14 +194,14 @@ class Robustifier {
     const std::vector<double> chi2 = annealing_->Chi2(odometry_);
     for (std::size_t i = 0; i < limits.size(); ++i) agree.push_back(chi2[i] <= limits[i]);
     Take(annealing_->FromInliers(limits, odometry_, agree), "agreement with the trusted factors");
-    Take(annealing_->FromLeastSquares(limits, odometry_), "least squares");
+    if (!was_cancelled_) Take(annealing_->FromLeastSquares(limits, odometry_), "least squares");
     if (!IsOver()) SearchOn(limits);
     inliers_ = best_.is_inlier;
     if (options_.inlier_noise_scale == 0) AdaptScale();
   }
 
   // Two starts that lead to one answer, the best so far, are enough.
-  bool IsOver() const { return is_confirmed_ || best_.was_cancelled; }
+  bool IsOver() const { return is_confirmed_ || was_cancelled_; }
 
   void SearchOn(const std::vector<double>& limits) {
     Take(annealing_->FromTrusted(limits, odometry_), "trusted factors");
@@ -206,7 +212,7 @@ class Robustifier {
     // Geman-McClure solves with all suspects each time: that is too slow to try many.
     if (options_.reject_outliers != Rejection::kGncTls) return;
     std::size_t chances = kSecondChances / graph_.FactorCount();
-    for (bool better = true; better && chances > 0 && !best_.was_cancelled;) {
+    for (bool better = true; better && chances > 0 && !was_cancelled_;) {
       better = false;
       std::vector<std::size_t> rejected;
       for (std::size_t i = 0; i < suspects_.size(); ++i)
@@ -226,7 +232,7 @@ class Robustifier {
   // Not until nothing changes: each limit cuts off a tail, and where tails are heavy the next scale
   // would be smaller for ever.
   void AdaptScale() {
-    for (int i = 0; i < kScalings && !best_.was_cancelled; ++i) {
+    for (int i = 0; i < kScalings && !was_cancelled_; ++i) {
       Graph kept = KeepFactors(graph_, Kept(inliers_));
       kept.SetValues(best_.values);
       SolveOptions options = solve_;
@@ -294,6 +300,7 @@ class Robustifier {
   Values odometry_;
   std::unique_ptr<Annealing> annealing_;
   AnnealingResult best_;
+  bool was_cancelled_ = false;
   bool is_confirmed_ = false;  // another start has led to the best
   std::vector<bool> inliers_;  // by suspect
   RobustSolution result_;

@@ -56,6 +56,7 @@ struct RejectionReport {
   std::vector<Factor> rejected;                                      ///< in the graph's order
   double inlier_quantile = 0, inlier_noise_scale = 1;                ///< as used
   std::vector<Attempt> attempts;  ///< the last of the least cost was taken
+  std::size_t rounds = 0;         ///< of all attempts
   /// Trees that trusted factors between poses make: more than one means that suspects say where
   /// robots are to each other.
   std::size_t trees = 0;
