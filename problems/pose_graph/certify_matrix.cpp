@@ -29,7 +29,7 @@ class Inverse {
   void perform_op(const double* in, double* out) const {
     std::fill(full_.begin(), full_.end(), 0.0);
     for (std::size_t i = 0; i < place_.size(); ++i) full_[place_[i]] = root_[i] * in[i];
-    failed_ |= !system_->SolveFactorised(&full_, 1);
+    failed_ |= !system_->SolveFactorised(full_.data(), 1);
     for (std::size_t i = 0; i < place_.size(); ++i) out[i] = root_[i] * full_[place_[i]];
   }
   /// What the latest solve gave, translations included.

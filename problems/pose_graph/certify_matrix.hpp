@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "graticule/problems/pose_graph/block_system.hpp"
+#include "graticule/solver/block_system.hpp"
 #include "graticule/problems/pose_graph/certify_minorant.hpp"
 
 namespace graticule {
