@@ -1,3 +1,4 @@
+#include <dlfcn.h>
 #include <fmt/core.h>
 #include <malloc.h>
 
@@ -18,11 +19,19 @@ void KeepMemory() {
   mallopt(M_TOP_PAD, 1 << 24);
 }
 
+// OpenBLAS makes its threads as it is loaded, and each then spins for 20 ms: for a small problem as
+// much work as solving it.  Nothing here uses them (see NumericGuard).
+void EndBlasThreads() {
+  if (void* shutdown = dlsym(RTLD_DEFAULT, "blas_thread_shutdown_"))
+    reinterpret_cast<int (*)()>(shutdown)();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace graticule;
   KeepMemory();
+  EndBlasThreads();
   const apps::Console console;
   int code = apps::kInternal;
   try {
