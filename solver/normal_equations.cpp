@@ -48,7 +48,7 @@ std::size_t NormalEquations::CountPairs(const Graph& graph) {
 
 NormalEquations::NormalEquations(const Evaluation& evaluation, const std::optional<Loss>& replaced,
                                  const std::vector<char>& is_held, int threads)
-    : evaluation_(evaluation), replaced_(replaced), threads_(threads) {
+    : evaluation_(evaluation), replaced_(replaced) {
   const Graph& graph = evaluation.TheGraph();
   std::vector<int> node_of(graph.VariableCount(), kHeld), sizes;
   for (const VariableId id : graph.KeyOrder()) {

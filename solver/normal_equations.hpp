@@ -58,7 +58,6 @@ class NormalEquations {
   std::vector<double> gradient_, chi2_;
   std::vector<double> scratch_;  // residual and Jacobians of one factor
   std::unique_ptr<BlockSystem> system_;
-  int threads_;
   std::unique_ptr<ParallelEvaluation> parallel_;
 };
 

@@ -152,6 +152,7 @@ class Walk {
       const double drop = solved ? Take(options.damping > 0) : 0;
       if (took_) {
         if (drop < options.least_drop * Value()) break;
+        if (options.go_on && !options.go_on(Value())) break;
         near = near || drop < 0.1 * Value();
         if (drop > 0.5 * descent_.promised) damping = damping < 1e-7 ? 0 : damping / 10;
         continue;

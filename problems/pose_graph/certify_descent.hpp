@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "graticule/problems/pose_graph/certify_matrix.hpp"
 
 namespace graticule {
@@ -13,6 +15,8 @@ struct DescentOptions {
   /// To begin with, relative to the Hessian's diagonal; 0: Newton's steps towards a smaller
   /// gradient, ended by the first that fails.
   double damping = 0;
+  /// Asked after each step, with the quadratic's value; false ends.
+  std::function<bool(double)> go_on;
 };
 
 struct Descent {

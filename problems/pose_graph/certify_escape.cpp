@@ -12,10 +12,11 @@ namespace {
 
 // Where the staircase leads; `rank` is of what was rounded.
 template <int kDim>
-Values FromStaircase(const Graph& graph, const Values& values, int* rank) {
+Values FromStaircase(const Graph& graph, const Values& values,
+                     const std::function<bool(double)>& go_on, int* rank) {
   std::vector<std::string> reasons;
   const Program<kDim> program = ReadProgram<kDim>(graph, &reasons);
-  const StaircaseResult<kDim> end = ClimbStaircase(program, program.Read(values));
+  const StaircaseResult<kDim> end = ClimbStaircase(program, program.Read(values), go_on);
   Values placed = values;
   program.Write(end.poses, &placed);
   *rank = end.rank;
@@ -39,12 +40,21 @@ class Escaping {
 
   void FromEigenvector() {
     const Stopwatch clock;
+    Iteration step;
+    const auto go_on = [&](double value) {
+      ++step.number;
+      step.objective = value;
+      step.seconds = clock.Elapsed().wall;
+      stopped_ = watch_.on_iteration && !watch_.on_iteration(step);
+      const double limit = options_.solve.time_limit_s;
+      return !stopped_ && !(limit > 0 && step.seconds > limit);
+    };
     int rank = 0;
     Graph again = graph_;
     const Values& values = escape_.solution.values;
-    again.SetValues(HasPoses(graph_, 2) ? FromStaircase<2>(graph_, values, &rank)
-                                        : FromStaircase<3>(graph_, values, &rank));
-    Try(again, "staircase of rank " + std::to_string(rank), clock);
+    again.SetValues(HasPoses(graph_, 2) ? FromStaircase<2>(graph_, values, go_on, &rank)
+                                        : FromStaircase<3>(graph_, values, go_on, &rank));
+    if (!stopped_) Try(again, "staircase of rank " + std::to_string(rank), clock);
   }
 
  private:

@@ -32,8 +32,10 @@ struct Escape {
 
 /// Looks for a cheaper solution of a pose graph where the certificate was refused: solves from a
 /// chordal start, then from where the Riemannian staircase leads, lifted along the eigenvector of
-/// the smallest eigenvalue.  Ends as soon as a solution is certified, or where `watch` stops a
-/// solve.  Does nothing for any other verdict.  Never returns a costlier solution.  Deterministic.
+/// the smallest eigenvalue.  Ends as soon as a solution is certified, or where `watch`, which sees
+/// the steps of all of this, says stop; solve.time_limit_s holds for each solve and for the
+/// staircase.  Does nothing for any other verdict.  Never returns a costlier solution.
+/// Deterministic.
 Escape EscapeMinimum(const Graph& graph, Solution solution, Certificate certificate,
                      const EscapeOptions& options = {}, const Observer& watch = {});
 

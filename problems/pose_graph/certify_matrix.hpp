@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "graticule/solver/block_system.hpp"
 #include "graticule/problems/pose_graph/certify_minorant.hpp"
+#include "graticule/solver/block_system.hpp"
 
 namespace graticule {
 

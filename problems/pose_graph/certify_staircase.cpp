@@ -17,8 +17,10 @@ constexpr double kGain = 1e-4, kGap = 1e-2;
 template <int kDim>
 class Staircase {
  public:
-  Staircase(const Program<kDim>& program, const Poses<kDim>& from)
+  Staircase(const Program<kDim>& program, const Poses<kDim>& from,
+            const std::function<bool(double)>& go_on)
       : program_(program),
+        go_on_(go_on),
         poses_(from),
         quadratic_(MakeStandIn(program, from, StandIn::kChordal).quadratic),
         matrix_(program) {}
@@ -27,6 +29,7 @@ class Staircase {
     StaircaseResult<kDim> result;
     for (int more = 0;; ++more) {
       Settle();
+      if (stopped_) break;
       result.rank = static_cast<int>(poses_.rows());
       result.is_close = IsClose();
       if (result.is_close || more == kMoreDimensions || !Lift()) break;
@@ -45,6 +48,10 @@ class Staircase {
     // Slow below the last rank is stuck at a saddle, which one dimension more leads past.
     const auto more = poses_.rows() - kDim;
     options.least_drop = more < kMoreDimensions ? (more ? 1e-3 : 1e-2) : 0;
+    options.go_on = [&](double value) {
+      stopped_ = go_on_ && !go_on_(value);
+      return !stopped_;
+    };
     Descend(program_, quadratic_, options, &poses_);
   }
 
@@ -113,6 +120,8 @@ class Staircase {
   }
 
   const Program<kDim>& program_;
+  const std::function<bool(double)>& go_on_;
+  bool stopped_ = false;
   Poses<kDim> poses_;
   Quadratic<kDim> quadratic_;
   CertificateMatrix<kDim> matrix_;
@@ -121,11 +130,14 @@ class Staircase {
 }  // namespace
 
 template <int kDim>
-StaircaseResult<kDim> ClimbStaircase(const Program<kDim>& program, const Poses<kDim>& from) {
-  return Staircase<kDim>(program, from).Run();
+StaircaseResult<kDim> ClimbStaircase(const Program<kDim>& program, const Poses<kDim>& from,
+                                     const std::function<bool(double)>& go_on) {
+  return Staircase<kDim>(program, from, go_on).Run();
 }
 
-template StaircaseResult<2> ClimbStaircase<2>(const Program<2>&, const Poses<2>&);
-template StaircaseResult<3> ClimbStaircase<3>(const Program<3>&, const Poses<3>&);
+template StaircaseResult<2> ClimbStaircase<2>(const Program<2>&, const Poses<2>&,
+                                              const std::function<bool(double)>&);
+template StaircaseResult<3> ClimbStaircase<3>(const Program<3>&, const Poses<3>&,
+                                              const std::function<bool(double)>&);
 
 }  // namespace graticule

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "graticule/problems/pose_graph/certify_matrix.hpp"
 
 namespace graticule {
@@ -17,7 +19,9 @@ struct StaircaseResult {
 /// its eigenvector in one dimension more, where that is downhill; two more dimensions at the most.
 /// Then rounds to rotations.  After N. Boumal, "A Riemannian low-rank method for optimization over
 /// semidefinite matrices with block-diagonal constraints" (2015), and SE-Sync.
+/// `go_on` is asked after each step, with the stand-in's value; false ends it.
 template <int kDim>
-StaircaseResult<kDim> ClimbStaircase(const Program<kDim>& program, const Poses<kDim>& from);
+StaircaseResult<kDim> ClimbStaircase(const Program<kDim>& program, const Poses<kDim>& from,
+                                     const std::function<bool(double)>& go_on = {});
 
 }  // namespace graticule
