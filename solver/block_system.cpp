@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "graticule/solver/block_cholesky.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/numeric_guard.hpp"
 
@@ -83,6 +84,7 @@ struct Pattern {
 
 struct BlockSystem::Cholesky {
   cholmod_common common;
+  std::unique_ptr<BlockCholesky> blocks;  // where it is quicker; else CHOLMOD's
   cholmod_factor* factor = nullptr;
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;  // kept for the next
   std::vector<double> ordered;
@@ -213,6 +215,11 @@ BlockSystem::BlockSystem(std::vector<int> sizes, const Links& links,
     link_slots_.push_back(slot_of(below, pattern.PositionOf(row, below)));
     link_slots_.back().transposed = i < j;
   }
+  const bool alike = std::all_of(sizes_.begin(), sizes_.end(),
+                                 [&](int numbers) { return numbers == sizes_.front(); });
+  if (alike && nodes > 0)
+    cholesky_->blocks = BlockCholesky::Analyse(sizes_.front(), pattern.begins, pattern.rows);
+  if (cholesky_->blocks) return;
   cholmod_sparse matrix = LowerTriangle(begins_, rows_, values_.data());
   cholesky_->factor = cholmod_analyze(&matrix, &cholesky_->common);
 }
@@ -259,6 +266,7 @@ bool BlockSystem::Factorise() {
   const NumericGuard guard;
   Cholesky& cholesky = *cholesky_;
   cholesky.is_factorised = false;
+  if (cholesky.blocks) return cholesky.is_factorised = cholesky.blocks->Factorise(values_.data());
   if (!cholesky.factor) return false;
   cholmod_sparse matrix = LowerTriangle(begins_, rows_, values_.data());
   cholesky.is_factorised = cholmod_factorize(&matrix, cholesky.factor, &cholesky.common) &&
@@ -280,7 +288,17 @@ bool BlockSystem::SolveFactorised(double* rhs, int columns) {
       for (std::size_t i = 0; i < size; ++i)
         visit(c * size + static_cast<std::size_t>(from_[i]), c * size + i);
   };
+  const auto is_finite = [&](const double* x) {
+    return std::all_of(x, x + ordered.size(), [](double value) { return std::isfinite(value); });
+  };
   each([&](std::size_t outside, std::size_t inside) { ordered[inside] = rhs[outside]; });
+  if (cholesky.blocks) {
+    for (std::size_t c = 0; c < static_cast<std::size_t>(columns); ++c)
+      cholesky.blocks->Solve(ordered.data() + c * size);
+    if (!is_finite(ordered.data())) return false;
+    each([&](std::size_t outside, std::size_t inside) { rhs[outside] = ordered[inside]; });
+    return true;
+  }
   cholmod_dense right{};
   right.nrow = right.d = size;
   right.ncol = static_cast<std::size_t>(columns);
@@ -292,8 +310,7 @@ bool BlockSystem::SolveFactorised(double* rhs, int columns) {
                       &cholesky.work_y, &cholesky.work_e, &cholesky.common))
     return false;
   const double* x = static_cast<const double*>(cholesky.solution->x);
-  if (!std::all_of(x, x + ordered.size(), [](double value) { return std::isfinite(value); }))
-    return false;
+  if (!is_finite(x)) return false;
   each([&](std::size_t outside, std::size_t inside) { rhs[outside] = x[inside]; });
   return true;
 }

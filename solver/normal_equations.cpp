@@ -6,18 +6,32 @@
 namespace graticule {
 namespace {
 
-// to += a' b, of matrices with kRows rows, row-major; `to` by columns.  Zeros of b are common (a
-// rotation's residual does not depend on translations), and skipped.
+// to += a' b, of matrices with kRows rows, row-major; `to` by columns.
 template <int kRows, int kA, int kB>
 void AddProductOf(const double* a, const double* b, double* to, int stride) {
   for (int j = 0; j < kB; ++j, to += stride) {
     double sum[kA] = {};
     for (int r = 0; r < kRows; ++r) {
       const double factor = b[r * kB + j];
-      if (factor == 0) continue;
+      // Zeros are common (a rotation's residual does not depend on translations); in the plane
+      // asking costs more.
+      if (kRows > 3 && factor == 0) continue;
       for (int i = 0; i < kA; ++i) sum[i] += factor * a[r * kA + i];
     }
     for (int i = 0; i < kA; ++i) to[i] += sum[i];
+  }
+}
+
+// to += a' a, on and below the diagonal.
+template <int kRows, int kA>
+void AddSquareOf(const double* a, double* to, int stride) {
+  for (int j = 0; j < kA; ++j, to += stride) {
+    double sum[kA] = {};
+    for (int r = 0; r < kRows; ++r) {
+      const double factor = a[r * kA + j];
+      for (int i = j; i < kA; ++i) sum[i] += factor * a[r * kA + i];
+    }
+    for (int i = j; i < kA; ++i) to[i] += sum[i];
   }
 }
 
@@ -33,6 +47,11 @@ void AddProduct(int rows, int a_size, int b_size, const double* a, const double*
       const double factor = b[r * b_size + j];
       for (int i = 0; i < a_size; ++i) to.values[i + j * to.stride] += factor * a[r * a_size + i];
     }
+}
+
+void AddSquare(int rows, int size, const double* a, const BlockSystem::Block& to) {
+  if (rows == 3 && size == 3) return AddSquareOf<3, 3>(a, to.values, to.stride);
+  AddProduct(rows, size, size, a, a, to);
 }
 
 }  // namespace
@@ -145,7 +164,7 @@ void NormalEquations::Add(FactorId id, const double* residual, const double* jac
         if (nodes[i] != kHeld) AddProduct(rows, a_size, b_size, a, b, system_->LinkBlock(link++));
         a += rows * a_size;
       }
-      AddProduct(rows, b_size, b_size, b, b, system_->NodeBlock(nodes[j]));
+      AddSquare(rows, b_size, b, system_->NodeBlock(nodes[j]));
       double* gradient = gradient_.data() + system_->First(nodes[j]);
       for (int r = 0; r < rows; ++r)
         for (int c = 0; c < b_size; ++c) gradient[c] += residual[r] * b[r * b_size + c];
