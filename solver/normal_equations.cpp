@@ -6,33 +6,40 @@
 namespace graticule {
 namespace {
 
-// to += a' b, of matrices with kRows rows, row-major; `to` by columns.
+// to += a' b, of matrices with kRows rows, row-major; `to` by columns.  Zeros of b are common (a
+// rotation's residual does not depend on translations), and skipped.
 template <int kRows, int kA, int kB>
 void AddProductOf(const double* a, const double* b, double* to, int stride) {
   for (int j = 0; j < kB; ++j, to += stride) {
     double sum[kA] = {};
     for (int r = 0; r < kRows; ++r) {
       const double factor = b[r * kB + j];
-      // Zeros are common (a rotation's residual does not depend on translations); in the plane
-      // asking costs more.
-      if (kRows > 3 && factor == 0) continue;
+      if (factor == 0) continue;
       for (int i = 0; i < kA; ++i) sum[i] += factor * a[r * kA + i];
     }
     for (int i = 0; i < kA; ++i) to[i] += sum[i];
   }
 }
 
-// to += a' a, on and below the diagonal.
-template <int kRows, int kA>
-void AddSquareOf(const double* a, double* to, int stride) {
-  for (int j = 0; j < kA; ++j, to += stride) {
-    double sum[kA] = {};
-    for (int r = 0; r < kRows; ++r) {
-      const double factor = a[r * kA + j];
-      for (int i = j; i < kA; ++i) sum[i] += factor * a[r * kA + i];
-    }
-    for (int i = j; i < kA; ++i) to[i] += sum[i];
+// The rows of a matrix of three by three, each in a register.
+struct Rows {
+  using Register [[gnu::vector_size(32)]] = double;
+  Register row[3];
+
+  explicit Rows(const double* a)
+      : row{{a[0], a[1], a[2], 0}, {a[3], a[4], a[5], 0}, {a[6], a[7], a[8], 0}} {}
+
+  // to += the matrix' transpose times x, whose numbers are `step` apart.
+  void AddTimes(const double* x, int step, double* to) const {
+    const Register sum = x[0] * row[0] + x[step] * row[1] + x[2 * step] * row[2];
+    for (int i = 0; i < 3; ++i) to[i] += sum[i];
   }
+};
+
+template <>
+void AddProductOf<3, 3, 3>(const double* a, const double* b, double* to, int stride) {
+  const Rows rows(a);
+  for (int j = 0; j < 3; ++j) rows.AddTimes(b + j, 3, to + j * stride);
 }
 
 void AddProduct(int rows, int a_size, int b_size, const double* a, const double* b,
@@ -47,11 +54,6 @@ void AddProduct(int rows, int a_size, int b_size, const double* a, const double*
       const double factor = b[r * b_size + j];
       for (int i = 0; i < a_size; ++i) to.values[i + j * to.stride] += factor * a[r * a_size + i];
     }
-}
-
-void AddSquare(int rows, int size, const double* a, const BlockSystem::Block& to) {
-  if (rows == 3 && size == 3) return AddSquareOf<3, 3>(a, to.values, to.stride);
-  AddProduct(rows, size, size, a, a, to);
 }
 
 }  // namespace
@@ -164,10 +166,13 @@ void NormalEquations::Add(FactorId id, const double* residual, const double* jac
         if (nodes[i] != kHeld) AddProduct(rows, a_size, b_size, a, b, system_->LinkBlock(link++));
         a += rows * a_size;
       }
-      AddSquare(rows, b_size, b, system_->NodeBlock(nodes[j]));
+      AddProduct(rows, b_size, b_size, b, b, system_->NodeBlock(nodes[j]));
       double* gradient = gradient_.data() + system_->First(nodes[j]);
-      for (int r = 0; r < rows; ++r)
-        for (int c = 0; c < b_size; ++c) gradient[c] += residual[r] * b[r * b_size + c];
+      if (rows == 3 && b_size == 3)
+        Rows(b).AddTimes(residual, 1, gradient);
+      else
+        for (int r = 0; r < rows; ++r)
+          for (int c = 0; c < b_size; ++c) gradient[c] += residual[r] * b[r * b_size + c];
     }
     b += rows * b_size;
   }
