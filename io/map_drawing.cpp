@@ -1,0 +1,134 @@
+#include "graticule/io/map_drawing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "graticule/io/plot_style.hpp"
+#include "graticule/io/readable.hpp"
+#include "graticule/io/svg.hpp"
+
+namespace graticule {
+namespace {
+
+constexpr double kWidth = 1200, kMargin = 16, kTop = 58, kRow = 20;
+constexpr std::size_t kNamed = 20;  // trajectories that the legend names
+
+// RFC 4648.
+std::string Base64(const std::string& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t word = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      word = word << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += k <= count ? kDigits[word >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+// From metres to pixels of the panel.
+struct View {
+  const OccupancyGrid& grid;
+  double scale;  // pixels a metre
+
+  double X(double x) const { return (x - grid.map_from_grid.x) * scale; }
+  double Y(double y) const {
+    return (grid.map_from_grid.y + static_cast<double>(grid.height) * grid.resolution - y) * scale;
+  }
+};
+
+void DrawScaleBar(double scale, double width, double left, double top, Svg* svg) {
+  const double metres = plot::RoundDown(width * 0.25 / scale), right = left + metres * scale;
+  const plot::Attributes stroke = plot::MarkStroke(1.5);
+  svg->Line(left, top, right, top, stroke);
+  svg->Line(left, top - 4, left, top + 4, stroke);
+  svg->Line(right, top - 4, right, top + 4, stroke);
+  svg->Text(right + 7, top + 4, ReadableNumber(metres) + " m", plot::SoftInk(11));
+}
+
+plot::Attributes ClosureStroke() {
+  return {
+      {"stroke", "#d55e00"}, {"stroke-width", "0.7"}, {"stroke-opacity", "0.55"}, {"fill", "none"}};
+}
+
+void DrawLines(const MapDrawing& drawing, const View& view, Svg* svg) {
+  PathData closures;
+  for (const auto& [a, b] : drawing.closures)
+    closures.Segment(view.X(a.x), view.Y(a.y), view.X(b.x), view.Y(b.y));
+  if (!closures.Empty()) svg->Path(closures, ClosureStroke());
+  for (std::size_t i = 0; i < drawing.trajectories.size(); ++i) {
+    PathData path;
+    bool begun = false;
+    for (const MapDrawing::Point& point : drawing.trajectories[i].points) {
+      if (!std::isfinite(point.x) || !std::isfinite(point.y)) continue;
+      begun ? path.LineTo(view.X(point.x), view.Y(point.y))
+            : path.MoveTo(view.X(point.x), view.Y(point.y));
+      begun = true;
+    }
+    if (begun) svg->Path(path, plot::GroupStroke(i, 1.2), drawing.trajectories[i].name);
+  }
+}
+
+}  // namespace
+
+std::string DrawMap(const MapDrawing& drawing) {
+  const OccupancyGrid& grid = drawing.grid;
+  const double columns = static_cast<double>(std::max<std::size_t>(grid.width, 1));
+  const double rows = static_cast<double>(std::max<std::size_t>(grid.height, 1));
+  const double panel_width = kWidth - 2 * kMargin;
+  const double pixel = std::min(panel_width / columns, 1600 / rows);
+  const double width = columns * pixel, height = rows * pixel;
+  const std::size_t named = std::min(drawing.trajectories.size(), kNamed);
+  const std::size_t entries = named + !drawing.closures.empty();
+  constexpr std::size_t kColumns = 6;
+  const double legend =
+      kRow * static_cast<double>((entries + kColumns - 1) / kColumns) + (entries ? 10 : 0);
+
+  Svg svg(kWidth, kTop + height + 34 + legend + kMargin, drawing.title);
+  svg.Rect(0, 0, kWidth, kTop + height + 34 + legend + kMargin,
+           {{"fill", "#ffffff"}, {"class", "paper"}});
+  svg.Text(kMargin, 26, drawing.title, plot::Ink(17, {}, true));
+  svg.Text(kMargin, 46, drawing.subtitle, plot::SoftInk(12));
+  svg.Open("svg", {{"x", SvgNumber(kMargin)},
+                   {"y", SvgNumber(kTop)},
+                   {"width", SvgNumber(width)},
+                   {"height", SvgNumber(height)},
+                   {"viewBox", "0 0 " + SvgNumber(width) + " " + SvgNumber(height)}});
+  if (!grid.cells.empty())
+    svg.Element("image", {{"width", SvgNumber(width)},
+                          {"height", SvgNumber(height)},
+                          {"preserveAspectRatio", "none"},
+                          {"style", "image-rendering:pixelated"},
+                          {"href", "data:image/png;base64," + Base64(FormatOccupancyPng(grid))}});
+  const View view{grid, pixel / grid.resolution};
+  DrawLines(drawing, view, &svg);
+  svg.Close();
+  svg.Rect(kMargin, kTop, width, height, plot::Frame());
+  DrawScaleBar(view.scale, width, kMargin + 4, kTop + height + 18, &svg);
+
+  const auto place = [&](std::size_t entry) {
+    const double x = kMargin + static_cast<double>(entry % kColumns) * panel_width / kColumns;
+    return std::pair(x, kTop + height + 44 + kRow * static_cast<double>(entry / kColumns));
+  };
+  const auto name = [&](std::size_t entry, const std::string& text) {
+    const auto [x, y] = place(entry);
+    svg.Text(x + 26, y + 4, plot::Shorten(text, panel_width / kColumns - 34, 11), plot::Ink(11));
+  };
+  for (std::size_t i = 0; i < named; ++i) {
+    const auto [x, y] = place(i);
+    svg.Line(x, y, x + 20, y, plot::GroupStroke(i, 2));
+    name(i, drawing.trajectories[i].name);
+  }
+  if (!drawing.closures.empty()) {
+    const auto [x, y] = place(named);
+    svg.Line(x, y, x + 20, y, ClosureStroke());
+    name(named, ReadableCount(drawing.closures.size()) +
+                    (drawing.closures.size() == 1 ? " loop closure" : " loop closures"));
+  }
+  return svg.Finish();
+}
+
+}  // namespace graticule
