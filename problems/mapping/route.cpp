@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <queue>
+#include <utility>
 
 namespace graticule {
 namespace {
@@ -12,7 +13,8 @@ constexpr int kX[8] = {1, 0, -1, 0, 1, -1, -1, 1}, kY[8] = {0, 1, 0, -1, 1, 1, -
 
 }  // namespace
 
-RoutePlanner::RoutePlanner(const OccupancyGrid& grid, double clearance_m, double cell_m)
+RoutePlanner::RoutePlanner(const OccupancyGrid& grid, double clearance_m, double cell_m,
+                           bool all_regions)
     : cell_m_(cell_m), left_(grid.map_from_grid.x), bottom_(grid.map_from_grid.y) {
   const auto cells = [&](std::size_t count) {
     return static_cast<std::size_t>(static_cast<double>(count) * grid.resolution / cell_m_);
@@ -66,7 +68,7 @@ RoutePlanner::RoutePlanner(const OccupancyGrid& grid, double clearance_m, double
   }
   const auto largest = std::max_element(sizes.begin(), sizes.end()) - sizes.begin();
   for (std::size_t cell = 0; cell < open_.size(); ++cell) {
-    if (region[cell] != largest) open_[cell] = 0;
+    if (!all_regions && region[cell] != largest) open_[cell] = 0;
     if (IsOpen(cell)) places_.push_back(CentreOf(cell));
   }
 }
@@ -95,6 +97,20 @@ RoutePlanner::Point RoutePlanner::CentreOf(std::size_t cell) const {
           bottom_ + (static_cast<double>(cell / width_) + 0.5) * cell_m_};
 }
 
+bool RoutePlanner::CanStand(const Point& point) const {
+  const double x = std::floor((point.x - left_) / cell_m_);
+  const double y = std::floor((point.y - bottom_) / cell_m_);
+  return x >= 0 && y >= 0 && x < static_cast<double>(width_) && y < static_cast<double>(height_) &&
+         IsOpen(static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x));
+}
+
+std::pair<std::size_t, std::size_t> RoutePlanner::Reach(std::size_t at, std::size_t count,
+                                                        double most_m) const {
+  const double cells = std::min(most_m / cell_m_ + 1, static_cast<double>(count));
+  const auto reach = static_cast<std::size_t>(cells);
+  return {at - std::min(at, reach), std::min(at + reach, count - 1)};
+}
+
 bool RoutePlanner::IsClear(const Point& from, const Point& to) const {
   const double length = std::hypot(to.x - from.x, to.y - from.y);
   const int steps = static_cast<int>(std::ceil(length / (0.25 * cell_m_)));
@@ -108,48 +124,61 @@ bool RoutePlanner::IsClear(const Point& from, const Point& to) const {
 }
 
 // A*, then corners that can be cut are.
-std::vector<RoutePlanner::Point> RoutePlanner::Route(const Point& from, const Point& to) const {
+std::vector<RoutePlanner::Point> RoutePlanner::Route(const Point& from, const Point& to,
+                                                     double most_m) const {
   if (places_.empty()) return {};
   const std::size_t start = CellOf(from), goal = CellOf(to);
+  // No way leaves the box that it could not come back from.
+  const auto [first_x, last_x] = Reach(start % width_, width_, most_m);
+  const auto [first_y, last_y] = Reach(start / width_, height_, most_m);
+  const std::size_t columns = last_x - first_x + 1;
+  const auto inside = [&, first_x = first_x, first_y = first_y](std::size_t cell) {
+    return (cell / width_ - first_y) * columns + cell % width_ - first_x;
+  };
   constexpr double kFar = std::numeric_limits<double>::infinity();
-  std::vector<double> cost(open_.size(), kFar);
-  std::vector<std::size_t> before(open_.size(), start);
-  using Entry = std::pair<double, std::size_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  constexpr std::uint8_t kNone = 8;
+  std::vector<double> cost(columns * (last_y - first_y + 1), kFar);
+  std::vector<std::uint8_t> came(cost.size(), kNone);  // by which of the eight steps
   const Point end = CentreOf(goal);
   const auto estimate = [&](std::size_t cell) {
     const Point at = CentreOf(cell);
     return std::hypot(at.x - end.x, at.y - end.y);
   };
-  cost[start] = 0;
+  using Entry = std::pair<double, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  cost[inside(start)] = 0;
   queue.emplace(estimate(start), start);
-  while (!queue.empty()) {
+  bool found = false;
+  while (!queue.empty() && !found) {
     const auto [total, cell] = queue.top();
     queue.pop();
-    if (cell == goal) break;
-    if (total > cost[cell] + estimate(cell) + 1e-9) continue;
-    const long x = static_cast<long>(cell % width_), y = static_cast<long>(cell / width_);
-    for (int k = 0; k < 8; ++k) {
-      const long i = x + kX[k], j = y + kY[k];
-      if (i < 0 || j < 0 || i >= static_cast<long>(width_) || j >= static_cast<long>(height_))
-        continue;
-      const std::size_t next = static_cast<std::size_t>(j) * width_ + static_cast<std::size_t>(i);
+    found = cell == goal;
+    const double so_far = cost[inside(cell)];
+    if (found || total > so_far + estimate(cell) + 1e-9) continue;
+    const std::size_t x = cell % width_, y = cell / width_;
+    for (std::uint8_t k = 0; k < 8; ++k) {
+      // Below zero it is larger than any.
+      const std::size_t i = x + static_cast<std::size_t>(kX[k]);
+      const std::size_t j = y + static_cast<std::size_t>(kY[k]);
+      if (i < first_x || i > last_x || j < first_y || j > last_y) continue;
+      const std::size_t next = j * width_ + i;
       if (!IsOpen(next)) continue;
       // Not across a corner.
-      if (k >= 4 && (!IsOpen(static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(i)) ||
-                     !IsOpen(static_cast<std::size_t>(j) * width_ + static_cast<std::size_t>(x))))
-        continue;
-      const double reached = cost[cell] + cell_m_ * (k < 4 ? 1 : std::sqrt(2.0));
-      if (reached >= cost[next]) continue;
-      cost[next] = reached;
-      before[next] = cell;
-      queue.emplace(reached + estimate(next), next);
+      if (k >= 4 && (!IsOpen(y * width_ + i) || !IsOpen(j * width_ + x))) continue;
+      const double there = so_far + cell_m_ * (k < 4 ? 1 : std::sqrt(2.0));
+      if (there >= cost[inside(next)] || there + estimate(next) > most_m) continue;
+      cost[inside(next)] = there;
+      came[inside(next)] = k;
+      queue.emplace(there + estimate(next), next);
     }
   }
-  if (cost[goal] == kFar) return {};
-  std::vector<Point> cells;
-  for (std::size_t cell = goal; cell != start; cell = before[cell]) cells.push_back(CentreOf(cell));
-  cells.push_back(CentreOf(start));
+  if (!found) return {};
+  std::vector<Point> cells(1, CentreOf(goal));
+  for (std::size_t cell = goal; cell != start;) {
+    const std::uint8_t k = came[inside(cell)];
+    cell -= static_cast<std::size_t>(kY[k]) * width_ + static_cast<std::size_t>(kX[k]);
+    cells.push_back(CentreOf(cell));
+  }
   std::reverse(cells.begin(), cells.end());
   std::vector<Point> route(1, cells.front());
   for (std::size_t i = 0; i + 1 < cells.size();) {
