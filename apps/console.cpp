@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -94,8 +95,11 @@ bool Interruptible::WasAsked() { return interrupted != 0; }
 Observer Watch(const Console& console, const std::string& what) {
   Observer observer;
   observer.on_iteration = [&console, what](const Iteration& row) {
-    console.Progress(fmt::format("{}: iteration {}, objective {:.9g}, {}", what, row.number,
-                                 row.objective, Seconds(row.seconds)));
+    // Not known while a start is looked for.
+    const std::string objective =
+        std::isnan(row.objective) ? "" : fmt::format(", objective {:.9g}", row.objective);
+    console.Progress(
+        fmt::format("{}: iteration {}{}, {}", what, row.number, objective, Seconds(row.seconds)));
     return !Interruptible::WasAsked();
   };
   return observer;

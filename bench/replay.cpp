@@ -9,7 +9,7 @@
 
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/problem_file.hpp"
-#include "graticule/problems/pose_graph/transform.hpp"
+#include "graticule/problems/pose_graph/replay.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/online.hpp"
 #include "graticule/solver/solve.hpp"
@@ -18,63 +18,24 @@
 namespace graticule {
 namespace {
 
-// Where a new pose is, by a factor that joins it to one that is known.
-bool Predict(const FactorView& factor, VariableId pose, const Values& latest,
-             std::vector<double>* value) {
-  if (factor.variables.size() != 2 || factor.measurement.size() != value->size()) return false;
-  const bool planar = value->size() == 3;
-  const VariableId other = factor.variables[factor.variables[0] == pose ? 1 : 0];
-  if (other >= pose) return false;
-  double a_from_b[7];
-  if (factor.variables[1] == pose)
-    CopyPose(planar, factor.measurement.data(), a_from_b);
-  else
-    Invert(planar, factor.measurement.data(), a_from_b);
-  Compose(planar, latest[other].data(), a_from_b, value->data());
-  return true;
-}
-
 int Run(const std::string& file, OnlineOptions options, int exact_every) {
-  Graph recorded = ReadProblem(file, Builtins(), {}).graph;
-  // Poses as a robot meets them: in the order of their keys.
-  const std::vector<VariableId> order = recorded.KeyOrder();
-  std::vector<std::size_t> place(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = i;
-  std::vector<std::vector<FactorId>> arrivals(order.size());
-  for (FactorId id = 0; id < recorded.FactorCount(); ++id) {
-    std::size_t last = 0;
-    for (const VariableId variable : recorded.VariablesOf(id))
-      last = std::max(last, place[variable]);
-    arrivals[last].push_back(id);
-  }
-
+  const Graph recorded = ReadProblem(file, Builtins(), {}).graph;
   Online online(Builtins(), options);
+  Replay replay(recorded, &online);
   std::vector<double> seconds;
   double cpu = 0;
   std::size_t eliminated = 0, relinearised = 0;
   double exact_seconds = 0;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const VariableId pose = order[i];
-    std::vector<double> value(recorded.ValueOf(pose).begin(), recorded.ValueOf(pose).end());
+  while (!replay.IsDone()) {
     const Stopwatch clock;
-    const auto latest = online.Latest();
-    for (const FactorId id : arrivals[i]) {
-      FactorView factor = recorded.FactorAt(id);
-      std::vector<VariableId> places;
-      for (const VariableId variable : factor.variables)
-        places.push_back(static_cast<VariableId>(place[variable]));
-      factor.variables = {places.data(), places.size()};
-      if (latest && Predict(factor, static_cast<VariableId>(i), *latest, &value)) break;
-    }
-    online.Add(recorded.KeyOf(pose), recorded.TypeOf(pose).name, value);
-    for (const FactorId id : arrivals[i]) online.Add(recorded.FactorRecord(id));
+    replay.Next();
     const OnlineReport report = online.Update();
     const PhaseTime time = clock.Elapsed();
     seconds.push_back(time.wall);
     cpu += time.cpu;
     eliminated += report.eliminated;
     relinearised += report.relinearised;
-    if (exact_every > 0 && (i + 1) % static_cast<std::size_t>(exact_every) == 0) {
+    if (exact_every > 0 && seconds.size() % static_cast<std::size_t>(exact_every) == 0) {
       const Stopwatch exact;
       online.UpdateExactly();
       exact_seconds += exact.Elapsed().wall;

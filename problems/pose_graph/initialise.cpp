@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "graticule/problems/pose_graph/chordal.hpp"
+#include "graticule/problems/pose_graph/incremental.hpp"
 #include "graticule/problems/pose_graph/lago.hpp"
 #include "graticule/problems/pose_graph/landmarks.hpp"
 #include "graticule/problems/pose_graph/pose_role.hpp"
 #include "graticule/problems/pose_graph/spanning_tree.hpp"
 #include "graticule/solver/error.hpp"
-#include "graticule/solver/solve.hpp"
 #include "graticule/solver/union_find.hpp"
 
 namespace graticule {
@@ -25,7 +25,8 @@ const std::vector<std::pair<std::string, InitialGuess>> kNames = {
     {"spanning_tree", InitialGuess::kSpanningTree},
     {"minimum_spanning_tree", InitialGuess::kMinimumSpanningTree},
     {"chordal", InitialGuess::kChordal},
-    {"lago", InitialGuess::kLago}};
+    {"lago", InitialGuess::kLago},
+    {"incremental", InitialGuess::kIncremental}};
 
 // Whether there is something to place, and something to gain from more than a tree.
 struct Shape {
@@ -97,6 +98,20 @@ Start FromLago(const Graph& graph, const Start& tree) {
   return start;
 }
 
+Start FromIncremental(const Graph& graph, const Observer& watch) {
+  Start start{graph.InitialValues(), {}};
+  const IncrementalReport grown = PlaceIncrementally(graph, &start.values, {}, watch);
+  start.report.used = InitialGuess::kIncremental;
+  start.report.poses = grown.poses;
+  start.report.roots = grown.roots;
+  start.report.free_roots = grown.free_roots;
+  start.report.landmarks = grown.landmarks.placed;
+  start.report.assumed = grown.landmarks.assumed;
+  start.report.updates = grown.updates;
+  if (!grown.is_complete) start.report.failure = grown.failure.empty() ? "stopped" : grown.failure;
+  return start;
+}
+
 std::string Count(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
@@ -118,6 +133,8 @@ std::string Summary(const InitialiseReport& report) {
       text += ", " + std::to_string(report.landmarks) + " landmarks from their first sighting";
     if (report.assumed)
       text += " (" + std::to_string(report.assumed) + " at an assumed range or direction)";
+    if (report.updates) text += ", solved in " + Count(report.updates, "update", "updates");
+    if (!report.failure.empty()) text += ", then given up: " + report.failure;
   }
   if (report.candidates.empty()) return text;
   text += "; of the costs";
@@ -130,7 +147,8 @@ std::string Summary(const InitialiseReport& report) {
   return text + ", the least";
 }
 
-Start FromMethod(const Graph& graph, InitialGuess how) {
+Start FromMethod(const Graph& graph, InitialGuess how, const Observer& watch) {
+  if (how == InitialGuess::kIncremental) return FromIncremental(graph, watch);
   if (how != InitialGuess::kChordal && how != InitialGuess::kLago) return FromTree(graph, how);
   const Start tree = FromTree(graph, InitialGuess::kSpanningTree);
   return how == InitialGuess::kLago ? FromLago(graph, tree) : FromChordal(graph, tree);
@@ -179,7 +197,8 @@ const std::vector<OptionRow<InitialiseOptions>>& InitialiseOptionTable() {
   return table;
 }
 
-InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess) {
+InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess,
+                            const Observer& watch) {
   InitialiseReport report;
   const Shape shape = how == InitialGuess::kFile ? Shape{} : ShapeOf(*graph);
   const bool choose = how == InitialGuess::kAutomatic && shape.closures > 0;
@@ -194,7 +213,7 @@ InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess)
     report.summary = "file: no poses to place (se2/1, se3/1), initial values kept as they are";
     return report;
   }
-  Start start = choose ? Best(*graph, file_has_guess) : FromMethod(*graph, how);
+  Start start = choose ? Best(*graph, file_has_guess) : FromMethod(*graph, how, watch);
   report = std::move(start.report);
   if (report.used != InitialGuess::kFile) graph->SetValues(start.values);
   report.set = report.poses + report.landmarks;

@@ -6,6 +6,7 @@
 
 #include "graticule/solver/graph.hpp"
 #include "graticule/solver/option.hpp"
+#include "graticule/solver/solve.hpp"
 
 namespace graticule {
 
@@ -16,8 +17,9 @@ enum class InitialGuess {
   kOdometry,      ///< along consecutive keys of a family; the tree for what that does not reach
   kSpanningTree,  ///< breadth first over all between factors: the fewest measurements to each pose
   kMinimumSpanningTree,  ///< of the traces of the between factors' covariances
-  kChordal,  ///< rotations, then translations, by linear least squares: see PlaceByChordal
-  kLago,     ///< of the plane: angles, then poses, by linear least squares: see PlaceByLago
+  kChordal,      ///< rotations, then translations, by linear least squares: see PlaceByChordal
+  kLago,         ///< of the plane: angles, then poses, by linear least squares: see PlaceByLago
+  kIncremental,  ///< solved pose by pose, as the graph grew: see PlaceIncrementally
 };
 
 struct InitialiseOptions {
@@ -45,6 +47,8 @@ struct InitialiseReport {
   std::size_t assumed = 0;  ///< of the landmarks, those at an assumed range or direction
   /// Pieces that chordal or lago left to the spanning tree, for want of measurements.
   std::size_t kept_pieces = 0;
+  std::size_t updates = 0;  ///< of incremental
+  std::string failure;      ///< why incremental was given up; what had not come was placed unsolved
   std::vector<InitialCost> candidates;  ///< what automatic chose from; empty where it had no choice
   std::string summary;                  ///< one line
 };
@@ -66,12 +70,15 @@ struct InitialiseReport {
 /// the spanning tree.  Where they do: of the file's (if any), chordal and the spanning tree, the
 /// one of the least cost 0.5 sum rho(r' W r).
 ///
-/// Lago is there to compare with: automatic does not try it.  Throws Error (kUsage) where lago
-/// meets a pose in space.
+/// Automatic tries neither lago, which is there to compare with, nor incremental, which takes many
+/// times as long as the others and is tried by InitialiseAndSolve where it may help.  `watch` sees
+/// a row for each update of incremental; where it says stop, the rest is placed unsolved.  Throws
+/// Error (kUsage) where lago meets a pose in space.
 ///
 /// Deterministic.  Time in proportion to the graph, but for the sorting of keys and the two sparse
 /// factorisations of chordal and lago.
-InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess);
+InitialiseReport Initialise(Graph* graph, InitialGuess how, bool file_has_guess,
+                            const Observer& watch = {});
 
 /// "automatic", "file", "odometry", "spanning_tree".
 std::string ToString(InitialGuess guess);

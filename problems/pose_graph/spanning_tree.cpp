@@ -5,8 +5,8 @@
 #include <tuple>
 
 #include "graticule/problems/pose_graph/information.hpp"
+#include "graticule/problems/pose_graph/placing.hpp"
 #include "graticule/problems/pose_graph/pose_role.hpp"
-#include "graticule/problems/pose_graph/transform.hpp"
 
 namespace graticule {
 namespace {
@@ -35,7 +35,7 @@ class Walk {
     const std::vector<FactorId> priors = FirstPriors();
     for (const VariableId id : order_) {
       if (priors[id] == kNone || placed_[id]) continue;
-      PlaceFromPrior(id, graph_.FactorAt(priors[id]));
+      PoseFromPrior(IsPlanar(id), graph_.FactorAt(priors[id]), values_->Mutable(id));
       ++report->poses;
       AddRoot(id, report);
     }
@@ -109,21 +109,6 @@ class Walk {
     return priors;
   }
 
-  void PlaceFromPrior(VariableId id, const FactorView& prior) {
-    const bool planar = IsPlanar(id);
-    double world_from_sensor[7];
-    CopyPose(planar, prior.measurement.data(), world_from_sensor);
-    double* world_from_body = values_->Mutable(id);
-    if (PoseRoleOf(prior.type->name) == PoseRole::kPriorWithOffset) {
-      double body_from_sensor[7], sensor_from_body[7];
-      CopyPose(planar, prior.measurement.data() + 7, body_from_sensor);
-      Invert(planar, body_from_sensor, sensor_from_body);
-      Compose(planar, world_from_sensor, sensor_from_body, world_from_body);
-    } else {
-      std::copy_n(world_from_sensor, PoseSize(planar), world_from_body);
-    }
-  }
-
   void AddRoot(VariableId id, SpanningTreeReport* report) {
     ++report->roots;
     placed_[id] = 1;
@@ -132,17 +117,8 @@ class Walk {
 
   // Places `to` from `from`, over a between factor of the two.
   void Place(VariableId from, VariableId to, FactorId factor, bool from_is_a) {
-    const bool planar = IsPlanar(from);
-    double a_from_b[7];
-    CopyPose(planar, graph_.FactorAt(factor).measurement.data(), a_from_b);
-    const double* pose = (*values_)[from].data();
-    if (from_is_a) {
-      Compose(planar, pose, a_from_b, values_->Mutable(to));
-    } else {
-      double b_from_a[7];
-      Invert(planar, a_from_b, b_from_a);
-      Compose(planar, pose, b_from_a, values_->Mutable(to));
-    }
+    PoseFromBetween(IsPlanar(from), graph_.FactorAt(factor), from_is_a, (*values_)[from].data(),
+                    values_->Mutable(to));
     placed_[to] = 1;
     queue_.push_back(to);
   }

@@ -106,7 +106,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Case{2, InitialGuess::kAutomatic}, Case{2, InitialGuess::kOdometry},
                       Case{2, InitialGuess::kSpanningTree},
                       Case{2, InitialGuess::kMinimumSpanningTree}, Case{2, InitialGuess::kChordal},
-                      Case{2, InitialGuess::kLago}, Case{3, InitialGuess::kAutomatic},
+                      Case{2, InitialGuess::kLago}, Case{2, InitialGuess::kIncremental},
+                      Case{3, InitialGuess::kIncremental}, Case{3, InitialGuess::kAutomatic},
                       Case{3, InitialGuess::kMinimumSpanningTree}, Case{3, InitialGuess::kChordal},
                       Case{3, InitialGuess::kOdometry}, Case{3, InitialGuess::kSpanningTree}));
 
