@@ -7,6 +7,7 @@
 #include <map>
 
 #include "commands.hpp"
+#include "configured_solve.hpp"
 #include "graticule/io/comparison.hpp"
 #include "graticule/io/config.hpp"
 #include "graticule/io/file.hpp"
@@ -15,7 +16,6 @@
 #include "graticule/solver/stopwatch.hpp"
 #include "ground_truth.hpp"
 #include "problem.hpp"
-#include "rejection.hpp"
 
 namespace graticule::apps {
 namespace {

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "console.hpp"
-#include "graticule/solver/stopwatch.hpp"
 
 namespace graticule::apps {
 namespace {
@@ -13,39 +12,6 @@ namespace {
 constexpr std::size_t kPrinted = 10;
 
 }  // namespace
-
-ConfiguredSolution SolveAsConfigured(Graph* graph, bool file_has_guess,
-                                     const Configuration& configuration, const Observer& watch) {
-  ConfiguredSolution result;
-  Stopwatch clock;
-  const bool rejects = configuration.rejection.reject_outliers != Rejection::kNone;
-  const bool from_values =
-      !rejects || configuration.initialise.initialise != InitialGuess::kAutomatic;
-  if (from_values) {
-    const InitialiseReport start =
-        Initialise(graph, configuration.initialise.initialise, file_has_guess);
-    result.initialisation = start.summary;
-    result.start_label = ToString(start.used);
-  } else {
-    result.initialisation = "trusted factors";
-    result.start_label = result.initialisation;
-  }
-  result.initialise = clock.Lap();
-  if (!rejects) {
-    result.solution = Solve(*graph, configuration.solve, watch);
-    return result;
-  }
-  RobustSolution robust = SolveWithoutOutliers(*graph, configuration.rejection, configuration.solve,
-                                               watch, from_values);
-  result.solution = std::move(robust.solution);
-  result.rejection = std::move(robust.rejection);
-  result.is_kept = std::move(robust.is_kept);
-  graph->SetValues(robust.start);
-  std::vector<std::string>& warnings = result.solution.report.warnings;
-  warnings.insert(warnings.end(), result.rejection.warnings.begin(),
-                  result.rejection.warnings.end());
-  return result;
-}
 
 RejectionSummary Summarise(const Graph& graph, const RejectionReport& rejection) {
   RejectionSummary summary;

@@ -7,6 +7,7 @@
 
 #include "certificate.hpp"
 #include "commands.hpp"
+#include "configured_solve.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/graph_plot.hpp"
 #include "graticule/io/report_html.hpp"
@@ -32,6 +33,7 @@ void PrintSummary(const SolveCommand& command, const Graph& graph, const Report&
   fmt::print("  variables  {} ({})\n", report.variables, CountVariables(graph));
   fmt::print("  factors    {} ({})\n", report.factors, CountFactors(graph));
   fmt::print("  start      {}\n", context.initialisation);
+  if (context.second_look) fmt::print("  second     {}\n", context.second_look->text);
   if (context.rejection) PrintRejection(*context.rejection);
   fmt::print("  cost       {:.9g} -> {:.9g}  (0.5 r'Wr)", report.initial_cost, report.final_cost);
   if (std::abs(report.final_objective - report.final_cost) > 1e-9 * report.final_cost)
@@ -214,6 +216,7 @@ int Run(const SolveCommand& command, const Console& console) {
   context.file = command.file;
   context.configuration = configuration.name;
   context.initialisation = solved.initialisation;
+  context.second_look = solved.second_look;
   context.repaired = recording.repaired;
   context.accuracy = truth.Judge(graph, solution.values);
   recording.has_initial_guess = true;

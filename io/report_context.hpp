@@ -9,6 +9,7 @@
 #include "graticule/io/accuracy.hpp"
 #include "graticule/io/certificate_summary.hpp"
 #include "graticule/io/repaired_information.hpp"
+#include "graticule/io/second_look_summary.hpp"
 #include "graticule/solver/factor.hpp"
 
 namespace graticule {
@@ -46,6 +47,7 @@ struct ReportContext {
   std::optional<RepairedInformation> repaired = {};
   std::optional<Accuracy> accuracy = {};  ///< against a ground truth
   std::optional<CertificateSummary> certificate = {};
+  std::optional<SecondLookSummary> second_look = {};
   std::optional<RejectionSummary> rejection = {};  ///< none: nothing was looked for
 };
 

@@ -46,6 +46,7 @@ std::string Header(const Report& report, const ReportContext& context) {
   header += "<p><span class=\"verdict " + VerdictClass(report.termination) + "\">" +
             EscapeXml(VerdictText(report.termination)) + "</span> " + EscapeXml(report.message) +
             "</p>\n";
+  if (context.second_look) header += html::Paragraph("Second look: " + context.second_look->text);
   return header;
 }
 
@@ -348,8 +349,8 @@ std::string ReportHtml(const Report& report, const ReportContext& context,
   if (!graph_svg.empty()) body += html::Section("The graph", html::Figure(graph_svg));
   if (context.accuracy)
     body += html::Section("Poses against the truth", AccuracyHtml({{"", &*context.accuracy}}));
-  body += Rejection(context) + Convergence(report) + Shares(report) + Worst(report) + Times(report) +
-          Origin(report, context);
+  body += Rejection(context) + Convergence(report) + Shares(report) + Worst(report) +
+          Times(report) + Origin(report, context);
   return html::Page(title, Header(report, context), body);
 }
 

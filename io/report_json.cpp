@@ -114,6 +114,24 @@ Json CertificateJson(const CertificateSummary& certificate) {
   return json;
 }
 
+Json SecondLook(const SecondLookSummary& look) {
+  const auto solve = [](const SecondLookSummary::Solve& solve) -> Json {
+    return {{"start", solve.start},
+            {"termination", solve.termination},
+            {"objective", solve.objective},
+            {"iterations", solve.iterations},
+            {"seconds", solve.seconds}};
+  };
+  return {{"text", look.text},
+          {"reduced_chi2", look.reduced_chi2},
+          {"first", solve(look.first)},
+          {"verdict", look.verdict.empty() ? Json(nullptr) : Json(look.verdict)},
+          {"certificate_seconds", look.certificate_seconds},
+          {"second", look.second ? solve(*look.second) : Json(nullptr)},
+          {"improved", look.improved},
+          {"stopped", look.was_stopped}};
+}
+
 Json Object(const std::vector<std::pair<std::string, std::string>>& members) {
   Json object = Json::object();
   for (const auto& [name, value] : members) object[name] = value;
@@ -187,6 +205,7 @@ std::string ReportJson(const Report& report, const ReportContext& context) {
   json["reduced_chi2"] = report.ReducedChi2();
   json["iterations"] = report.Steps();
 
+  if (context.second_look) json["second_look"] = SecondLook(*context.second_look);
   if (context.certificate) json["certificate"] = CertificateJson(*context.certificate);
 
   json["variables"] = report.variables;

@@ -42,13 +42,13 @@ class Certifier {
       proved = IsPositive(shift = larger);
     }
     certificate->verdict = proved ? Verdict::kBounded : Verdict::kRefused;
-    while (!proved && shift < kLargestShift) {
+    if (!proved) certificate->eigenvalue = std::numeric_limits<double>::quiet_NaN();
+    while (!proved && options_.find_eigenvalue && shift < kLargestShift) {
       shift = std::max(10 * shift, 1e-6);
       proved = IsPositive(shift);
       if (!proved) continue;
       const auto direction = matrix_.SmallestEigenvalue(shift);
-      certificate->eigenvalue =
-          direction ? direction->eigenvalue : std::numeric_limits<double>::quiet_NaN();
+      if (direction) certificate->eigenvalue = direction->eigenvalue;
     }
     certificate->factorisations = factorisations_;
     if (proved)
@@ -113,8 +113,11 @@ std::string Summary(const Certificate& certificate) {
     case Verdict::kBounded:
       return "not settled: proved only that " + bound + " (" + gap + ")";
     case Verdict::kRefused:
-      return "refused: the certificate matrix has the eigenvalue " +
-             Number(certificate.eigenvalue, 3) + ", so global optimality is not proved" +
+      return "refused: the certificate matrix has " +
+             (std::isnan(certificate.eigenvalue)
+                  ? "a negative eigenvalue"
+                  : "the eigenvalue " + Number(certificate.eigenvalue, 3)) +
+             ", so global optimality is not proved" +
              (certificate.lower_bound > 0 ? "; " + bound + " (" + gap + ")" : "");
     case Verdict::kNotApplicable:
       break;

@@ -27,7 +27,7 @@ struct Certificate {
   double RelativeGap() const { return cost > 0 ? Gap() / cost : 0; }
 
   /// Where refused: the smallest eigenvalue of the certificate matrix, relative to the weights on
-  /// its diagonal; nan where it is not known.
+  /// its diagonal; nan where it is not known, or was not looked for.
   double eigenvalue = 0;
   std::vector<std::string> reasons;  ///< where not applicable: why, with counts
   /// Factors whose stand-in has their value and gradient, of all: the others cost the bound a
@@ -40,6 +40,8 @@ struct Certificate {
 struct CertifyOptions {
   /// A larger relative gap is kBounded.
   double optimal_gap = 1e-5;
+  /// Where refused: look for the smallest eigenvalue, and for what bound is proved all the same.
+  bool find_eigenvalue = true;
 };
 
 /// Certifies values of a pose graph.  Each factor's cost is bounded from below by a function that

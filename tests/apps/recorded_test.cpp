@@ -1,7 +1,9 @@
 // Recorded problems, whole: from the file through the solver into files and back.  Costs are held
 // against the best known ones, which several solvers agree on (shared/data/posegraph/MANIFEST.md).
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "command.hpp"
 
@@ -13,38 +15,37 @@ constexpr double kNoCost = 1e-12;
 
 struct Problem {
   const char* file;
-  const char* ending;  // of its own format
-  double best_known;   // 0.5 r'Wr
-  bool reached;
-  const char* setting;
+  const char* ending;      // of its own format
+  double best_known;       // 0.5 r'Wr
+  bool is_relaxed = true;  // chordal and lago lead there
 };
 
 void PrintTo(const Problem& problem, std::ostream* out) { *out << problem.file; }
 
 // MANIFEST.md gives its costs to six digits or more; 1e-4 also bears its remarks "not settled".
 const Problem kProblems[] = {
-    {"CSAIL.g2o", ".g2o", 20.2775644, true, ""},
-    {"M3500.g2o", ".g2o", 68.9564755, true, ""},
-    {"city10000.g2o.gz", ".g2o", 255.992582, true, ""},
-    {"intel.g2o", ".g2o", 22.5023479, true, ""},
-    {"kitti_00.g2o", ".g2o", 49.1610059, true, ""},
-    {"manhattan.g2o", ".g2o", 1774.5184, true, ""},
-    {"manhattanOlson3500.g2o", ".g2o", 73.0383725, true, ""},
-    {"parking-garage.g2o", ".g2o", 0.61934529, true, ""},
-    {"ring.g2o", ".g2o", 5.58155042, true, ""},
-    {"smallGrid3D.g2o", ".g2o", 229.076893, true, ""},
-    {"sphere2500.g2o", ".g2o", 363.574834, true, ""},
-    {"sphere_bignoise_vertex3.g2o.gz", ".g2o", 371931.36, true, ""},
-    {"tinyGrid3D.g2o", ".g2o", 3.36394083, true, ""},
-    {"synth-problem-49-7776-pre.txt.gz", ".txt", 8013.91747, true, ""},
+    {"CSAIL.g2o", ".g2o", 20.2775644},
+    {"M3500.g2o", ".g2o", 68.9564755},
+    {"city10000.g2o.gz", ".g2o", 255.992582},
+    {"intel.g2o", ".g2o", 22.5023479},
+    {"kitti_00.g2o", ".g2o", 49.1610059},
+    {"manhattan.g2o", ".g2o", 1774.5184},
+    {"manhattanOlson3500.g2o", ".g2o", 73.0383725},
+    {"parking-garage.g2o", ".g2o", 0.61934529},
+    {"ring.g2o", ".g2o", 5.58155042},
+    {"smallGrid3D.g2o", ".g2o", 229.076893},
+    {"sphere2500.g2o", ".g2o", 363.574834},
+    {"sphere_bignoise_vertex3.g2o.gz", ".g2o", 371931.36},
+    {"tinyGrid3D.g2o", ".g2o", 3.36394083},
+    {"synth-problem-49-7776-pre.txt.gz", ".txt", 8013.91747},
     // Exact to begin with: GTSAM's example of a file whose observations were made from its answer.
-    {"gtsam_dubrovnik-3-7-pre.txt", ".txt", 0, true, ""},
+    {"gtsam_dubrovnik-3-7-pre.txt", ".txt", 0},
     // Not in the manifest: measured here, the same with every configuration.
-    {"gtsam_w100.graph", ".graph", 0.568912592, true, ""},
-    {"MIT.g2o", ".g2o", 20.5816344, true, ""},
-    {"torus3D.g2o.gz", ".g2o", 7287.37323, true, ""},
-    // Not settled: long odometry, landmarks, and false matches among them.
-    {"victoria_park.g2o", ".g2o", 0, false, "max_iterations=10"},
+    {"gtsam_w100.graph", ".graph", 0.568912592},
+    {"MIT.g2o", ".g2o", 20.5816344},
+    {"torus3D.g2o.gz", ".g2o", 7287.37323},
+    // Long odometry and 151 landmarks: chordal ends at 60009.  Proved optimal, see certificate.md.
+    {"victoria_park.g2o", ".g2o", 3092.06013, false},
 };
 
 bool SameCost(double a, double b) {
@@ -56,23 +57,19 @@ class RecordedProblem : public RecordedTest, public testing::WithParamInterface<
 
 TEST_P(RecordedProblem, IsSolvedWrittenAndReadAgainAtTheSameCost) {
   const Problem& problem = GetParam();
-  std::vector<std::string> words = {"solve", Recorded(problem.file), "--json", "-o",
-                                    Path(std::string("own") + problem.ending)};
-  if (*problem.setting) words.insert(words.end(), {"--set", problem.setting});
-  const Outcome solved = RunCommand(words);
+  const Outcome solved = RunCommand(
+      {"solve", Recorded(problem.file), "--json", "-o", Path(std::string("own") + problem.ending)});
   const auto report = JsonOf(solved);
   ASSERT_TRUE(report.contains("final_cost")) << solved.err;
   const double cost = report["final_cost"];
   EXPECT_LE(cost, report["initial_cost"]);
-  if (problem.reached) {
-    EXPECT_EQ(solved.exit_code, 0);
-    EXPECT_EQ(report["termination"], "converged");
-    EXPECT_NEAR(cost, problem.best_known, 1e-4 * problem.best_known + kNoCost);
-  } else {
-    EXPECT_EQ(solved.exit_code, 4);
-    EXPECT_EQ(report["termination"], "no_convergence");
-    EXPECT_GT(cost, 1.5 * problem.best_known);
-  }
+  EXPECT_EQ(solved.exit_code, 0);
+  EXPECT_EQ(report["termination"], "converged");
+  EXPECT_NEAR(cost, problem.best_known, 1e-4 * problem.best_known + kNoCost);
+  // These two alone do not fit as their noise says at first: the others cost what they did.
+  const std::string file = problem.file;
+  EXPECT_EQ(report.contains("second_look"),
+            file == "victoria_park.g2o" || file == "sphere_bignoise_vertex3.g2o.gz");
 
   const std::string own = Path(std::string("own") + problem.ending);
   ASSERT_EQ(RunCommand({"convert", own, Path("text.fg")}).exit_code, 0);
@@ -114,7 +111,7 @@ TEST_P(Engines, ReachTheSameCost) {
 std::vector<Problem> Settled() {
   std::vector<Problem> settled;
   for (const Problem& problem : kProblems)
-    if (problem.reached && std::string(problem.ending) != ".txt") settled.push_back(problem);
+    if (std::string(problem.ending) != ".txt") settled.push_back(problem);
   return settled;
 }
 
@@ -179,8 +176,7 @@ TEST_F(Start, OfTheFileLeadsElsewhereWhereItIsPoor) {
 TEST_F(Start, ChordalLeadsToTheBestKnownCostEverywhere) {
   for (const Problem& problem : kProblems) {
     const std::string file = problem.file;
-    if (!problem.reached || problem.best_known == 0 || file.find(".txt") != std::string::npos)
-      continue;
+    if (!problem.is_relaxed || file.find(".txt") != std::string::npos) continue;
     const Outcome solved =
         RunCommand({"solve", Recorded(file), "--set", "initialise=chordal", "--json"});
     EXPECT_EQ(solved.exit_code, 0) << file;
@@ -197,7 +193,7 @@ TEST_F(Start, LagoLeadsToTheBestKnownCostEverywhereInThePlane) {
   for (const Problem& problem : kProblems) {
     const std::string file = problem.file;
     const auto what = JsonOf(RunCommand({"inspect", Recorded(file), "--json"}));
-    if (!problem.reached || what["families"][0]["type"] != "se2/1") continue;
+    if (!problem.is_relaxed || what["families"][0]["type"] != "se2/1") continue;
     const Outcome solved =
         RunCommand({"solve", Recorded(file), "--set", "initialise=lago", "--json"});
     EXPECT_EQ(solved.exit_code, 0) << file;
@@ -208,6 +204,82 @@ TEST_F(Start, LagoLeadsToTheBestKnownCostEverywhereInThePlane) {
     EXPECT_LE(report.value("iterations", 100), 6) << file;
     EXPECT_EQ(report.value("initialisation", "").rfind("lago: ", 0), 0u) << file;
   }
+}
+
+// All of them, in a minute: the quickest.
+TEST_F(Start, IncrementalLeadsToTheBestKnownCost) {
+  for (const char* name : {"MIT.g2o", "CSAIL.g2o", "intel.g2o", "ring.g2o", "kitti_00.g2o",
+                           "smallGrid3D.g2o", "tinyGrid3D.g2o", "victoria_park.g2o"}) {
+    const auto problem =
+        std::find_if(std::begin(kProblems), std::end(kProblems),
+                     [&](const Problem& p) { return p.file == std::string(name); });
+    const Outcome solved =
+        RunCommand({"solve", Recorded(name), "--set", "initialise=incremental", "--json"});
+    EXPECT_EQ(solved.exit_code, 0) << name;
+    const auto report = JsonOf(solved);
+    EXPECT_NEAR(report.value("final_cost", 0.0), problem->best_known, 1e-6 * problem->best_known)
+        << name;
+    // Measured: at most 5, and that where there are 9 and 125 poses in all.
+    EXPECT_LE(report.value("iterations", 100), 6) << name;
+    EXPECT_EQ(report.value("initialisation", "").rfind("incremental: ", 0), 0u) << name;
+  }
+}
+
+class SecondLook : public RecordedTest {};
+
+TEST_F(SecondLook, LeadsVictoriaParkToItsOptimum) {
+  const Outcome solved = RunCommand(
+      {"solve", Recorded("victoria_park.g2o"), "--json", "--report", Path("report.html")});
+  const auto report = JsonOf(solved);
+  EXPECT_NEAR(report["final_cost"], 3092.06013, 1e-4);
+  const auto& look = report["second_look"];
+  EXPECT_EQ(look["first"]["start"], "chordal");
+  EXPECT_NEAR(look["first"]["objective"], 60009.2398, 1);
+  EXPECT_EQ(look["verdict"], "refused");
+  EXPECT_EQ(look["second"]["start"], "incremental");
+  EXPECT_EQ(look["second"]["objective"], report["final_objective"]);
+  EXPECT_EQ(look["improved"], true);
+  EXPECT_EQ(look["stopped"], false);
+  EXPECT_EQ(report.value("initialisation", "").rfind("incremental: ", 0), 0u);
+  EXPECT_NE(ReadWhole(Path("report.html")).find(look["text"]), std::string::npos);
+}
+
+TEST_F(SecondLook, EndsWithTheProofOfSphereBignoise) {
+  const auto report =
+      JsonOf(RunCommand({"solve", Recorded("sphere_bignoise_vertex3.g2o.gz"), "--json"}));
+  EXPECT_EQ(report["second_look"]["verdict"], "optimal");
+  EXPECT_TRUE(report["second_look"]["second"].is_null());
+  EXPECT_EQ(report["second_look"]["improved"], false);
+}
+
+TEST_F(SecondLook, KeepsTheFirstSolutionOnCtrlC) {
+  RunOptions interrupted;
+  interrupted.terminal_stderr = true;
+  interrupted.interrupt_at = "iteration 2, objective 60009.";
+  const Outcome solved = RunCommand(
+      {"solve", Recorded("victoria_park.g2o"), "--json", "-o", Path("out.g2o")}, interrupted);
+  EXPECT_EQ(solved.exit_code, 0);
+  const auto report = JsonOf(solved);
+  EXPECT_EQ(report["second_look"]["stopped"], true);
+  EXPECT_EQ(report["second_look"]["improved"], false);
+  EXPECT_NEAR(report["final_cost"], 60009.2398, 1);
+  const auto again =
+      JsonOf(RunCommand({"solve", Path("out.g2o"), "--json", "--set", "max_iterations=0"}));
+  EXPECT_TRUE(SameCost(again["initial_cost"], report["final_cost"]));
+}
+
+TEST_F(Start, IncrementalIsLeftOnCtrlCWithWhatItHas) {
+  RunOptions interrupted;
+  interrupted.terminal_stderr = true;
+  interrupted.interrupt_at = "iteration 5, ";
+  const Outcome solved = RunCommand({"solve", Recorded("victoria_park.g2o"), "--json", "--set",
+                                     "initialise=incremental", "-o", Path("out.g2o")},
+                                    interrupted);
+  EXPECT_EQ(solved.exit_code, 4);
+  const auto report = JsonOf(solved);
+  EXPECT_EQ(report["termination"], "cancelled");
+  EXPECT_NE(report.value("initialisation", "").find("then given up: stopped"), std::string::npos);
+  EXPECT_EQ(Files(), std::vector<std::string>{"out.g2o"});
 }
 
 TEST_F(Start, LagoIsRefusedInSpace) {
