@@ -29,7 +29,7 @@ void Check(const MissionOptions& o) {
   demand(o.robots >= 1 && o.robots <= 1000, "1 to 1000 robots");
   demand(o.scan_every_s >= kTick && o.duration_s >= o.scan_every_s && o.duration_s <= 1e6,
          "a scan every 0.1 s at most, and a duration of one scan to 1e6 s");
-  demand(o.graph_every_s > 0 && o.speed_m_s > 0, "times and speeds above 0");
+  demand(o.speed_m_s > 0, "a speed above 0");
   demand(o.node_every_m > 0 && o.node_every_rad > 0, "nodes a distance above 0 apart");
   demand(o.beams >= 2 && o.beams <= 10000, "2 to 10000 beams");
   demand(o.max_range_m > 0 && o.range_sigma_m >= 0 && o.no_return >= 0 && o.no_return <= 1,
@@ -82,37 +82,33 @@ struct Robot {
   std::size_t nodes = 0;
 };
 
-class Mission {
+class MissionSimulation {
  public:
-  Mission(const Registry& types, const MissionOptions& options)
+  MissionSimulation(const Registry& types, const MissionOptions& options)
       : options_(options),
-        planner_((Check(options), mission_.town = MakeTown(options.town), mission_.town.grid),
+        planner_((Check(options), simulated_.town = MakeTown(options.town), simulated_.town.grid),
                  kRobotRadius),
         ways_(options.seed, kWays),
         odometry_(options.seed, kOdometry),
         laser_(options.seed, kLaser),
         matches_(options.seed, kMatches) {
-    mission_.graph = Graph(types);
+    simulated_.mission.graph = Graph(types);
     if (planner_.Places().size() < 2)
       throw Error("simulated mission: the town has no room to drive", ErrorKind::kUsage);
   }
 
   SimulatedMission Run() {
-    mission_.is_swept.assign(mission_.town.grid.cells.size(), 0);
+    simulated_.is_swept.assign(simulated_.town.grid.cells.size(), 0);
     Populate();
     PlaceRobots();
     const auto scans = static_cast<std::size_t>(options_.duration_s / options_.scan_every_s + 1e-9);
-    double next_graph = options_.graph_every_s;
     for (std::size_t k = 0; k <= scans; ++k) {
       const double time = static_cast<double>(k) * options_.scan_every_s;
       if (k > 0) Drive();
       Sweep(time);
       for (std::size_t r = 0; r < robots_.size(); ++r) TakeScan(r, time);
-      if (time + 1e-9 < next_graph) continue;
-      mission_.steps.push_back({time, mission_.nodes.size(), mission_.graph.FactorCount()});
-      next_graph += options_.graph_every_s;
     }
-    return std::move(mission_);
+    return std::move(simulated_);
   }
 
  private:
@@ -134,7 +130,7 @@ class Mission {
     };
     add(planner_, options_.people, 1.2, 0.25, 0);
     if (options_.vehicles > 0)
-      add(RoutePlanner(mission_.town.grid, 1.6, 0.8), options_.vehicles, 4, 0.9, 1.8);
+      add(RoutePlanner(simulated_.town.grid, 1.6, 0.8), options_.vehicles, 4, 0.9, 1.8);
   }
 
   void PlaceRobots() {
@@ -147,14 +143,14 @@ class Mission {
       Robot robot;
       robot.world_from_robot = {start.front().x, start.front().y, 0};
       robots_.push_back(robot);
-      mission_.log.robots.push_back("robot" + std::to_string(i + 1));
+      simulated_.mission.log.robots.push_back("robot" + std::to_string(i + 1));
     }
     LaserGeometry geometry;
     geometry.first_angle = -M_PI / 2;
     geometry.step = M_PI / (options_.beams - 1);
     geometry.max_range = options_.max_range_m;
     geometry.robot_from_laser = {0.1, 0, 0};
-    mission_.log.geometries.push_back(geometry);
+    simulated_.mission.log.geometries.push_back(geometry);
   }
 
   // Towards where the team has been least.
@@ -216,7 +212,7 @@ class Mission {
   }
 
   void Sweep(double time) {
-    const OccupancyGrid& grid = mission_.town.grid;
+    const OccupancyGrid& grid = simulated_.town.grid;
     for (const Walker& walker : walkers_)
       for (double t = time; t < time + options_.scan_every_s - 1e-9; t += kTick)
         walker.Discs(t, [&](const Point& at) {
@@ -231,14 +227,14 @@ class Mission {
                  x <= index(at.x + reach, grid.width); ++x) {
               const double dx = (static_cast<double>(x) + 0.5) * grid.resolution - at.x;
               const double dy = (static_cast<double>(y) + 0.5) * grid.resolution - at.y;
-              if (dx * dx + dy * dy <= reach * reach) mission_.is_swept[y * grid.width + x] = 1;
+              if (dx * dx + dy * dy <= reach * reach) simulated_.is_swept[y * grid.width + x] = 1;
             }
         });
   }
 
   void TakeScan(std::size_t r, double time) {
     Robot& robot = robots_[r];
-    LaserLog& log = mission_.log;
+    LaserLog& log = simulated_.mission.log;
     const LaserGeometry& geometry = log.geometries.front();
     const PlanarPose laser = robot.world_from_robot * geometry.robot_from_laser;
     // Who stands about, seen from the laser.
@@ -265,7 +261,7 @@ class Mission {
     scan.beams = static_cast<std::uint32_t>(options_.beams);
     for (int i = 0; i < options_.beams; ++i) {
       const double angle = laser.yaw + geometry.first_angle + i * geometry.step;
-      double range = CastRay(mission_.town.grid, laser.x, laser.y, angle, options_.max_range_m);
+      double range = CastRay(simulated_.town.grid, laser.x, laser.y, angle, options_.max_range_m);
       const double c = std::cos(angle), s = std::sin(angle);
       for (const Disc& disc : discs) {
         const double along = c * disc.x + s * disc.y, across = c * disc.y - s * disc.x;
@@ -279,7 +275,7 @@ class Mission {
           static_cast<float>(returns ? std::max(range, 0.02) : options_.max_range_m));
     }
     log.scans.push_back(scan);
-    mission_.world_from_robot.push_back(robot.world_from_robot);
+    simulated_.world_from_robot.push_back(robot.world_from_robot);
     AddNode(r);
   }
 
@@ -292,13 +288,13 @@ class Mission {
   // A node where the robot has moved far enough, tied to the one before and to those around it.
   void AddNode(std::size_t r) {
     Robot& robot = robots_[r];
-    const std::size_t scan = mission_.log.scans.size() - 1;
+    const std::size_t scan = simulated_.mission.log.scans.size() - 1;
     const PlanarPose moved = Inverse(robot.last_true) * robot.world_from_robot;
     if (robot.nodes > 0 && std::hypot(moved.x, moved.y) < options_.node_every_m &&
         std::abs(moved.yaw) < options_.node_every_rad)
       return;
-    Graph& graph = mission_.graph;
-    const std::string& name = mission_.log.robots[r];
+    Graph& graph = simulated_.mission.graph;
+    const std::string& name = simulated_.mission.log.robots[r];
     const Key key(name, robot.nodes);
     const PlanarPose start = robot.nodes > 0 ? robot.last_odometry : robot.world_from_robot;
     const PlanarPose guess =
@@ -318,7 +314,7 @@ class Mission {
     AddClosures(r, key, match);
     known_[{CellOf(robot.world_from_robot.x), CellOf(robot.world_from_robot.y)}].push_back(
         {robot.world_from_robot, static_cast<std::uint32_t>(r), robot.nodes});
-    mission_.nodes.push_back({variable, scan});
+    simulated_.mission.nodes.push_back({variable, scan});
     guesses_.resize(robots_.size());
     guesses_[r] = guess;
     robot.last_true = robot.world_from_robot;
@@ -355,12 +351,13 @@ class Mission {
       const PlanarPose& now = robots_[other].world_from_robot;
       if (std::hypot(now.x - here.x, now.y - here.y) > options_.radio_range_m) continue;
       const double bearing = std::atan2(there.y - here.y, there.x - here.x);
-      if (CastRay(mission_.town.grid, here.x, here.y, bearing, least[other]) < least[other])
+      if (CastRay(simulated_.town.grid, here.x, here.y, bearing, least[other]) < least[other])
         continue;
       if (matches_.Unit() < 0.5) continue;  // not all are found
       const PlanarPose z = Noisy(Inverse(there) * here);
-      mission_.graph.Add(BetweenSe2Factor(Key(mission_.log.robots[other], nearest[other]->number),
-                                          key, {z.x, z.y, z.yaw}, match, "loop"));
+      simulated_.mission.graph.Add(
+          BetweenSe2Factor(Key(simulated_.mission.log.robots[other], nearest[other]->number), key,
+                           {z.x, z.y, z.yaw}, match, "loop"));
     }
   }
 
@@ -371,7 +368,7 @@ class Mission {
   };
 
   const MissionOptions& options_;
-  SimulatedMission mission_{{}, {}, {}, Graph(Registry()), {}, {}, {}};
+  SimulatedMission simulated_{{{}, Graph(Registry()), {}}, {}, {}, {}};
   RoutePlanner planner_;
   RandomNumbers ways_, odometry_, laser_, matches_;
   std::vector<Walker> walkers_;
@@ -383,7 +380,7 @@ class Mission {
 }  // namespace
 
 SimulatedMission SimulateMission(const Registry& types, const MissionOptions& options) {
-  return Mission(types, options).Run();
+  return MissionSimulation(types, options).Run();
 }
 
 MissionOptions KeswickLike() {

@@ -3,10 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "graticule/io/laser_log.hpp"
-#include "graticule/io/occupancy.hpp"
+#include "graticule/problems/mapping/mission.hpp"
 #include "graticule/problems/mapping/town.hpp"
-#include "graticule/solver/graph.hpp"
 
 namespace graticule {
 
@@ -19,7 +17,6 @@ struct MissionOptions {
   double speed_m_s = 0.6;
   double node_every_m = 1;      ///< a node of the pose graph a so many metres, or ...
   double node_every_rad = 0.5;  ///< ... turned so far
-  double graph_every_s = 10;    ///< from a graph of the sequence to the next
 
   int beams = 181;  ///< over 180 degrees, ahead
   double max_range_m = 30;
@@ -39,25 +36,12 @@ struct MissionOptions {
 };
 
 struct SimulatedMission {
-  Town town;
-  LaserLog log;                              ///< by time; robots `robot1` ..; odometry drifts
+  /// The log by time; robots `robot1` ..; odometry drifts.  The graph is what a front end would
+  /// make of it: se2/1 `robot1:0` .., priors where the robots start, between_se2/1 factors with the
+  /// sources "scan" and "loop".
+  Mission mission;
   std::vector<PlanarPose> world_from_robot;  ///< of every scan: the truth
-
-  /// What a pose graph front end would make of it: se2/1 `robot1:0` .., priors where the robots
-  /// start, between_se2/1 factors with the sources "scan" and "loop".
-  Graph graph;
-  struct Node {
-    VariableId variable;
-    std::size_t scan;
-  };
-  std::vector<Node> nodes;  ///< by time
-  /// The sequence G_1 .. G_n: of each, how many nodes and factors it has, and when.
-  struct Step {
-    double time = 0;
-    std::size_t nodes = 0, factors = 0;
-  };
-  std::vector<Step> steps;
-
+  Town town;
   /// Cells of the town where somebody walked or drove during the mission.
   std::vector<std::uint8_t> is_swept;
 };
@@ -66,7 +50,8 @@ struct SimulatedMission {
 SimulatedMission SimulateMission(const Registry& types, const MissionOptions& options);
 
 /// Missions of the shapes of the thesis' sets (Table 2.2), which are not public: 10 robots in
-/// 150 x 150 m with 68 graphs, and 14 robots in 220 x 160 m with 429 graphs in 72 minutes.
+/// 150 x 150 m with 68 graphs, and 14 robots in 220 x 160 m with 429
+/// graphs in 72 minutes, one every 10 s.
 MissionOptions KeswickLike();
 MissionOptions Phase2Like();
 

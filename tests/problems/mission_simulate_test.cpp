@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "graticule/factors/builtins.hpp"
+#include "graticule/problems/mapping/mission_replay.hpp"
 #include "graticule/problems/mapping/route.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/solve.hpp"
@@ -23,35 +24,33 @@ MissionOptions Small() {
   return options;
 }
 
-const SimulatedMission& Mission() {
+const SimulatedMission& Simulated() {
   static const SimulatedMission mission = SimulateMission(Builtins(), Small());
   return mission;
 }
 
 TEST(SimulatedMission, HasAScanOfEachRobotEverySecond) {
-  EXPECT_EQ(Mission().log.scans.size(), 3u * 151u);
-  EXPECT_EQ(Mission().world_from_robot.size(), Mission().log.scans.size());
-  EXPECT_EQ(Mission().steps.size(), 15u);
-  EXPECT_EQ(Mission().steps.back().nodes, Mission().nodes.size());
-  EXPECT_GT(Mission().nodes.size(), 150u);
+  EXPECT_EQ(Simulated().mission.log.scans.size(), 3u * 151u);
+  EXPECT_EQ(Simulated().world_from_robot.size(), Simulated().mission.log.scans.size());
+  EXPECT_GT(Simulated().mission.nodes.size(), 150u);
 }
 
 TEST(SimulatedMission, IsTheSameForTheSameSeed) {
   const SimulatedMission again = SimulateMission(Builtins(), Small());
-  EXPECT_EQ(again.log.ranges, Mission().log.ranges);
+  EXPECT_EQ(again.mission.log.ranges, Simulated().mission.log.ranges);
   MissionOptions other = Small();
   other.seed = 2;
-  EXPECT_NE(SimulateMission(Builtins(), other).log.ranges, Mission().log.ranges);
+  EXPECT_NE(SimulateMission(Builtins(), other).mission.log.ranges, Simulated().mission.log.ranges);
 }
 
 // Robots keep off walls, and what they measure is where a wall or somebody is.
 TEST(SimulatedMission, BeamsEndAtStructureOrAtSomebody) {
-  const SimulatedMission& mission = Mission();
-  const LaserGeometry& geometry = mission.log.geometries.front();
+  const SimulatedMission& mission = Simulated();
+  const LaserGeometry& geometry = mission.mission.log.geometries.front();
   std::size_t beams = 0, at_structure = 0, lost = 0;
-  for (std::size_t i = 0; i < mission.log.scans.size(); i += 7) {
+  for (std::size_t i = 0; i < mission.mission.log.scans.size(); i += 7) {
     const PlanarPose laser = mission.world_from_robot[i] * geometry.robot_from_laser;
-    const auto ranges = mission.log.RangesOf(mission.log.scans[i]);
+    const auto ranges = mission.mission.log.RangesOf(mission.mission.log.scans[i]);
     for (std::size_t k = 0; k < ranges.size(); k += 5) {
       const double angle =
           laser.yaw + geometry.first_angle + static_cast<double>(k) * geometry.step;
@@ -68,10 +67,10 @@ TEST(SimulatedMission, BeamsEndAtStructureOrAtSomebody) {
 }
 
 TEST(SimulatedMission, HasAGraphThatSolvesToTheTruth) {
-  const SimulatedMission& mission = Mission();
-  const Solution solution = Solve(mission.graph);
+  const SimulatedMission& mission = Simulated();
+  const Solution solution = Solve(mission.mission.graph);
   double worst = 0;
-  for (const SimulatedMission::Node& node : mission.nodes) {
+  for (const MissionNode& node : mission.mission.nodes) {
     const double* value = solution.values[node.variable].data();
     const PlanarPose& truth = mission.world_from_robot[node.scan];
     worst = std::max(worst, std::hypot(value[0] - truth.x, value[1] - truth.y));
@@ -83,7 +82,7 @@ TEST(SimulatedMission, HasAGraphThatSolvesToTheTruth) {
 
 TEST(SimulatedMission, MarksWhereSomebodyWalked) {
   std::size_t swept = 0, in_walls = 0;
-  const SimulatedMission& mission = Mission();
+  const SimulatedMission& mission = Simulated();
   for (std::size_t i = 0; i < mission.is_swept.size(); ++i) {
     swept += mission.is_swept[i];
     in_walls += mission.is_swept[i] && mission.town.grid.cells[i] == Occupancy::kStructure;
@@ -99,6 +98,30 @@ TEST(SimulatedMission, RefusesWhatMakesNoSense) {
   options = Small();
   options.town.width_m = 10;
   EXPECT_THROW(SimulateMission(Builtins(), options), Error);
+}
+
+// The sequence of graphs ends where the whole graph does.
+TEST(MissionReplay, EndsAtTheMinimumOfTheWholeGraph) {
+  const Mission& mission = Simulated().mission;
+  MissionReplay replay(mission, 10);
+  MissionStep step;
+  std::size_t steps = 0, nodes = 0;
+  while (replay.Next(&step)) {
+    ++steps;
+    EXPECT_GT(step.nodes, nodes);
+    nodes = step.nodes;
+    EXPECT_EQ(step.world_from_robot.size(), nodes);
+    EXPECT_LE(mission.TimeOf(mission.nodes[nodes - 1]), step.time);
+  }
+  EXPECT_EQ(steps, 15u);
+  EXPECT_EQ(nodes, mission.nodes.size());
+  const Solution whole = Solve(mission.graph);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const double* value = whole.values[mission.nodes[i].variable].data();
+    EXPECT_NEAR(step.world_from_robot[i].x, value[0], 1e-4);
+    EXPECT_NEAR(step.world_from_robot[i].yaw, value[2], 1e-5);
+  }
+  EXPECT_EQ(replay.Problem().FactorCount(), mission.graph.FactorCount());
 }
 
 TEST(RoutePlanner, GoesThroughTheDoor) {
