@@ -1,0 +1,426 @@
+#include "graticule/problems/mapping/live_map.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "graticule/problems/mapping/dense_slice.hpp"
+#include "graticule/problems/mapping/projection_error.hpp"
+#include "graticule/problems/mapping/work_estimate.hpp"
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+constexpr double kMaxRangeInCells = 8192;
+constexpr std::size_t kMaxVotes = (std::size_t{1} << VoteTile::kPlanes) - 1;
+// Below so many nodes a thread costs more than it brings (it takes some 30 us to begin and end).
+constexpr std::size_t kNodesWorthAThread = 24;
+
+void Check(bool good, const std::string& expected, double found) {
+  if (!good)
+    throw Error("live map: expected " + expected + ", found " + Shown(found), ErrorKind::kUsage);
+}
+
+void CheckOptions(const LiveMapOptions& options) {
+  CheckVoteRule(options.votes);
+  Check(options.resolution > 0 && std::isfinite(options.resolution), "a resolution above 0",
+        options.resolution);
+  Check(options.ranges.max_range > 0 &&
+            options.ranges.max_range <= kMaxRangeInCells * options.resolution,
+        "a max_range above 0 and of at most 8192 cells", options.ranges.max_range);
+  Check(options.slice_size > 0, "a slice_size of 1 or more",
+        static_cast<double>(options.slice_size));
+  Check(options.regenerate_above >= 0, "regenerate_above of 0 cells or more",
+        options.regenerate_above);
+  Check(options.cover.news >= 0 && options.cover.news <= 1, "cover.news from 0 to 1",
+        options.cover.news);
+  Check(options.cover.views >= 1 && options.cover.views <= 7, "cover.views from 1 to 7",
+        options.cover.views);
+  Check(options.threads >= 1 && options.threads <= 256, "threads from 1 to 256", options.threads);
+}
+
+}  // namespace
+
+class LiveMap::Machine {
+ public:
+  explicit Machine(const LiveMapOptions& options)
+      : options_(options),
+        grid_(options.votes),
+        map_(std::make_shared<const OccupancyMap>(options.resolution)) {
+    for (int i = 0; i < options.threads; ++i) rasterisers_.emplace_back(options.resolution);
+  }
+
+  NodeId AddNode(std::uint32_t robot, const LaserGeometry& geometry, Span<const float> ranges,
+                 const PlanarPose& pose) {
+    if (ranges.empty()) throw Error("a scan of robot " + std::to_string(robot) + " has no beams");
+    if (nodes_.size() >= kMaxVotes)
+      throw Error("a live map holds at most " + std::to_string(kMaxVotes) + " nodes");
+    Node node;
+    node.robot = robot;
+    node.pose = pose;
+    node.points = MakeScanPoints(geometry, ranges, options_.ranges);
+    Extent extent = extent_;
+    Include(static_cast<NodeId>(nodes_.size()), pose, node.points.reach, &extent);
+    extent_ = extent;
+    nodes_.push_back(std::move(node));
+    return static_cast<NodeId>(nodes_.size() - 1);
+  }
+
+  void UpdatePose(NodeId id, const PlanarPose& pose) {
+    if (id >= nodes_.size())
+      throw Error("expected a node below " + std::to_string(nodes_.size()) + ", found " +
+                  std::to_string(id));
+    Extent extent = extent_;
+    Include(id, pose, nodes_[id].points.reach, &extent);
+    extent_ = extent;
+    Move(id, pose);
+  }
+
+  void UpdatePoses(Span<const PlanarPose> poses) {
+    if (poses.size() != nodes_.size())
+      throw Error("expected a pose for each of " + std::to_string(nodes_.size()) +
+                  " nodes, found " + std::to_string(poses.size()));
+    Extent extent = extent_;
+    for (NodeId id = 0; id < poses.size(); ++id)
+      Include(id, poses[id], nodes_[id].points.reach, &extent);
+    extent_ = extent;
+    for (NodeId id = 0; id < poses.size(); ++id) Move(id, poses[id]);
+  }
+
+  MapUpdate Update(double deadline) {
+    started_ = Clock::now();
+    deadline_ = options_.method == MapMethod::kIncremental
+                    ? deadline
+                    : std::numeric_limits<double>::infinity();
+    MapUpdate update;
+    switch (options_.method) {
+      case MapMethod::kNaive:
+        for (; next_ < nodes_.size(); ++next_) JoinCover(next_);
+        DrawAll();
+        break;
+      case MapMethod::kNaiveCover:
+        DrawAll();
+        TakeNewNodes();
+        break;
+      case MapMethod::kCoverComposite:
+        RegenerateStale(&update);
+        TakeNewNodes();
+        Composite();
+        break;
+      case MapMethod::kIncremental:
+        RegenerateStale(&update);
+        TakeNewNodes();
+        break;
+    }
+    for (NodeId id = next_; id < nodes_.size(); ++id) update.waiting.push_back(id);
+    Publish(&update);
+    update.nodes = nodes_.size();
+    update.cover = cover_.size();
+    update.slices = slices_.size();
+    update.seconds = Elapsed();
+    return update;
+  }
+
+  std::shared_ptr<const OccupancyMap> Map() const {
+    const std::lock_guard<std::mutex> lock(map_mutex_);
+    return map_;
+  }
+  std::size_t NodeCount() const { return nodes_.size(); }
+  const std::vector<NodeId>& Cover() const { return cover_; }
+  const PlanarPose& DrawnPose(NodeId id) const {
+    if (id >= nodes_.size() || nodes_[id].slice == kNone)
+      throw Error("node " + std::to_string(id) + " is not in the cover");
+    return nodes_[id].drawn_at;
+  }
+
+ private:
+  struct Node {
+    std::uint32_t robot = 0;
+    PlanarPose pose;
+    PlanarPose drawn_at;
+    ScanPoints points;
+    std::size_t slice = kNone;
+    Footprint drawing;  // of the cover only
+  };
+  struct Slice {
+    std::uint32_t robot = 0;
+    std::vector<NodeId> nodes;
+    bool watched = false;  // in watched_
+    bool waited = false;   // a deadline came before it
+    DenseSlice dense;      // of kCoverComposite
+  };
+  struct Robot {
+    std::vector<NodeId> cover;  // C_r
+    std::size_t open_slice = kNone;
+  };
+  using Clock = std::chrono::steady_clock;
+  // Of all that was or could be drawn, m.
+  struct Extent {
+    double left = 0, right = 0, bottom = 0, top = 0;
+    bool any = false;
+  };
+
+  double Elapsed() const {
+    return std::chrono::duration<double>(Clock::now() - started_).count();
+  }
+
+  void Include(NodeId id, const PlanarPose& pose, double reach, Extent* extent) const {
+    if (!std::isfinite(pose.x) || !std::isfinite(pose.y) || !std::isfinite(pose.yaw))
+      throw Error("the pose of node " + std::to_string(id) + " is not finite");
+    extent->left = extent->any ? std::min(extent->left, pose.x - reach) : pose.x - reach;
+    extent->right = extent->any ? std::max(extent->right, pose.x + reach) : pose.x + reach;
+    extent->bottom = extent->any ? std::min(extent->bottom, pose.y - reach) : pose.y - reach;
+    extent->top = extent->any ? std::max(extent->top, pose.y + reach) : pose.y + reach;
+    extent->any = true;
+    // A quarter of what a PageGrid holds: it grows by more than it has to.
+    const double page = options_.resolution * kTileSide * kPageSide;
+    const double pages = ((extent->right - extent->left) / page + 2) *
+                         ((extent->top - extent->bottom) / page + 2);
+    const double cell =
+        std::max({-extent->left, extent->right, -extent->bottom, extent->top}) /
+        options_.resolution;
+    if (!(pages < static_cast<double>(OccupancyMap::Pages::kMaxPages) / 4) ||
+        !(cell < Rasteriser::kMaxCell))
+      throw Error("the pose of node " + std::to_string(id) + ", (" + Shown(pose.x) + ", " +
+                  Shown(pose.y) + "), is too far away: the map would have more cells than it can");
+  }
+
+  void Move(NodeId id, const PlanarPose& pose) {
+    Node& node = nodes_[id];
+    if (node.pose.x == pose.x && node.pose.y == pose.y && node.pose.yaw == pose.yaw) return;
+    node.pose = pose;
+    if (node.slice == kNone || slices_[node.slice].watched) return;
+    slices_[node.slice].watched = true;
+    watched_.push_back(node.slice);
+  }
+
+  // Algorithm 2.1, lines 9 to 13.
+  void RegenerateStale(MapUpdate* update) {
+    std::vector<std::size_t> stale;
+    for (const std::size_t slice : watched_) {
+      if (IsStale(slices_[slice]))
+        stale.push_back(slice);
+      else
+        slices_[slice].watched = slices_[slice].waited = false;
+    }
+    // What has waited longest comes first, then what came first.
+    std::sort(stale.begin(), stale.end(), [this](std::size_t a, std::size_t b) {
+      return slices_[a].waited != slices_[b].waited ? slices_[a].waited : a < b;
+    });
+    watched_.clear();
+    std::size_t done = 0;
+    while (done < stale.size()) {
+      const std::size_t end = NextBatch(stale, done);
+      if (end == done) break;
+      Regenerate(stale.data() + done, stale.data() + end, update);
+      done = end;
+    }
+    for (; done < stale.size(); ++done) {
+      Slice& slice = slices_[stale[done]];
+      slice.waited = true;
+      watched_.push_back(stale[done]);
+      update->left_over.push_back({stale[done], slice.robot, slice.nodes.front(),
+                                   slice.nodes.back(), ErrorOf(slice) / options_.resolution});
+    }
+  }
+
+  bool IsStale(const Slice& slice) const {
+    const double limit = options_.regenerate_above * options_.resolution;
+    for (const NodeId id : slice.nodes)
+      if (ProjectionErrorExceeds(limit, nodes_[id].points, nodes_[id].drawn_at, nodes_[id].pose))
+        return true;
+    return false;
+  }
+
+  double ErrorOf(const Slice& slice) const {
+    double error = 0;
+    for (const NodeId id : slice.nodes)
+      error = std::max(
+          error, ProjectionError(nodes_[id].points, nodes_[id].drawn_at, nodes_[id].pose));
+    return error;
+  }
+
+  // The end of the slices from `begin` that there is time for, and that are drawn at once.
+  std::size_t NextBatch(const std::vector<std::size_t>& stale, std::size_t begin) const {
+    const std::size_t batch =
+        options_.threads > 1 ? kNodesWorthAThread * static_cast<std::size_t>(options_.threads) : 1;
+    // New nodes show what nobody has seen: time is kept for them.
+    const std::size_t reserved = nodes_.size() - next_;
+    std::size_t drawn = 0, end = begin;
+    for (; end < stale.size() && drawn < batch; ++end) {
+      const std::size_t nodes = slices_[stale[end]].nodes.size();
+      if (!work_.Fits(Elapsed(), deadline_, drawn + nodes, reserved,
+                      grid_.DirtyTiles()))
+        break;
+      drawn += nodes;
+    }
+    return end;
+  }
+
+  void Regenerate(const std::size_t* begin, const std::size_t* end, MapUpdate* update) {
+    const double started = Elapsed();
+    batch_.clear();
+    for (const std::size_t* slice = begin; slice < end; ++slice)
+      for (const NodeId id : slices_[*slice].nodes) batch_.push_back(id);
+    const std::size_t dirty = grid_.DirtyTiles();
+    DrawBatch();
+    for (const std::size_t* slice = begin; slice < end; ++slice) {
+      slices_[*slice].watched = slices_[*slice].waited = false;
+      if (options_.method == MapMethod::kCoverComposite) DrawDense(&slices_[*slice]);
+    }
+    update->regenerated_slices += static_cast<std::size_t>(end - begin);
+    update->regenerated_nodes += batch_.size();
+    work_.Drew(batch_.size(), Elapsed() - started, grid_.DirtyTiles() - dirty);
+  }
+
+  // Draws the nodes of batch_ where they are now, and puts them into the map instead of what was
+  // drawn before.
+  void DrawBatch() {
+    fresh_.resize(std::max(fresh_.size(), batch_.size()));
+    const std::size_t threads =
+        std::clamp<std::size_t>(batch_.size() / kNodesWorthAThread, 1, rasterisers_.size());
+    const auto draw = [this, threads](std::size_t thread) {
+      for (std::size_t i = thread; i < batch_.size(); i += threads)
+        rasterisers_[thread].Draw(nodes_[batch_[i]].points, nodes_[batch_[i]].pose, &fresh_[i]);
+    };
+    std::vector<std::thread> others;
+    for (std::size_t t = 1; t < threads; ++t) others.emplace_back(draw, t);
+    draw(0);
+    for (std::thread& other : others) other.join();
+    for (std::size_t i = 0; i < batch_.size(); ++i) {
+      Node& node = nodes_[batch_[i]];
+      if (options_.method == MapMethod::kIncremental) grid_.Replace(node.drawing.tiles, fresh_[i]);
+      node.drawing.tiles.swap(fresh_[i]);
+      node.drawing.FindBox();
+      node.drawn_at = node.pose;
+    }
+  }
+
+  // Algorithm 2.1, lines 1 to 8.
+  void TakeNewNodes() {
+    for (; next_ < nodes_.size(); ++next_) {
+      const double started = Elapsed();
+      if (!work_.FitsNew(started, deadline_, grid_.DirtyTiles())) break;
+      const std::size_t dirty = grid_.DirtyTiles();
+      Node& node = nodes_[next_];
+      rasterisers_[0].Draw(node.points, node.pose, &candidate_.tiles);
+      candidate_.FindBox();
+      if (!options_.cover.on || AddsToCover(node.robot)) {
+        node.drawing = candidate_;
+        node.drawn_at = node.pose;
+        JoinCover(next_);
+        if (options_.method == MapMethod::kCoverComposite)
+          DrawDense(&slices_[node.slice]);
+        else
+          grid_.Replace({}, node.drawing.tiles);
+      }
+      work_.Took(Elapsed() - started, grid_.DirtyTiles() - dirty);
+    }
+  }
+
+  // coverTest.  The latest first: they are the likeliest to have seen the same.
+  bool AddsToCover(std::uint32_t robot) {
+    CoverTest test(options_.cover, candidate_);
+    const std::vector<NodeId>& cover =
+        options_.cover.across_robots ? cover_ : robots_[robot].cover;
+    for (std::size_t i = cover.size(); i-- > 0 && test.StillAdds(nodes_[cover[i]].drawing);) {
+    }
+    return test.Adds();
+  }
+
+  void JoinCover(NodeId id) {
+    Node& node = nodes_[id];
+    Robot& robot = robots_[node.robot];
+    if (robot.open_slice == kNone ||
+        slices_[robot.open_slice].nodes.size() >= options_.slice_size) {
+      robot.open_slice = slices_.size();
+      slices_.emplace_back();
+      slices_.back().robot = node.robot;
+    }
+    node.slice = robot.open_slice;
+    slices_[node.slice].nodes.push_back(id);
+    robot.cover.push_back(id);
+    cover_.push_back(id);
+  }
+
+  void DrawDense(Slice* slice) {
+    std::vector<const Footprint*> drawings;
+    for (const NodeId id : slice->nodes) drawings.push_back(&nodes_[id].drawing);
+    slice->dense.Draw(drawings);
+  }
+
+  // Lines 14 to 17.
+  void Composite() {
+    grid_.Clear();
+    for (const Slice& slice : slices_) slice.dense.CompositeOnto(&grid_);
+  }
+
+  void DrawAll() {
+    grid_.Clear();
+    for (const NodeId id : cover_) {
+      Node& node = nodes_[id];
+      rasterisers_[0].Draw(node.points, node.pose, &node.drawing.tiles);
+      node.drawing.FindBox();
+      node.drawn_at = node.pose;
+      grid_.Replace({}, node.drawing.tiles);
+    }
+  }
+
+  void Publish(MapUpdate* update) {
+    const double started = Elapsed();
+    const auto next = grid_.Publish(map_, &update->change);
+    update->version = next->Version();
+    work_.Published(Elapsed() - started, update->change.dirty_tiles);
+    const std::lock_guard<std::mutex> lock(map_mutex_);
+    map_ = next;
+  }
+
+  LiveMapOptions options_;
+  std::vector<Node> nodes_;
+  NodeId next_ = 0;  // the first that Update has not looked at
+  std::map<std::uint32_t, Robot> robots_;
+  std::vector<NodeId> cover_;
+  std::vector<Slice> slices_;
+  std::vector<std::size_t> watched_;  // slices whose nodes moved, or that wait
+  Extent extent_;
+  VoteGrid grid_;
+  std::vector<Rasteriser> rasterisers_;  // a thread
+  Footprint candidate_;
+  std::vector<NodeId> batch_;
+  std::vector<std::vector<ScanTile>> fresh_;
+  Clock::time_point started_;  // this update
+  double deadline_ = 0;
+  WorkEstimate work_;
+  mutable std::mutex map_mutex_;  // held for the copy of a pointer only
+  std::shared_ptr<const OccupancyMap> map_;
+};
+
+LiveMap::LiveMap(const LiveMapOptions& options) {
+  CheckOptions(options);
+  machine_ = std::make_unique<Machine>(options);
+}
+LiveMap::~LiveMap() = default;
+
+NodeId LiveMap::AddNode(std::uint32_t robot, const LaserGeometry& geometry,
+                        Span<const float> ranges, const PlanarPose& world_from_robot) {
+  return machine_->AddNode(robot, geometry, ranges, world_from_robot);
+}
+void LiveMap::UpdatePose(NodeId node, const PlanarPose& world_from_robot) {
+  machine_->UpdatePose(node, world_from_robot);
+}
+void LiveMap::UpdatePoses(Span<const PlanarPose> world_from_robot) {
+  machine_->UpdatePoses(world_from_robot);
+}
+MapUpdate LiveMap::Update(double deadline) { return machine_->Update(deadline); }
+std::shared_ptr<const OccupancyMap> LiveMap::Map() const { return machine_->Map(); }
+std::size_t LiveMap::NodeCount() const { return machine_->NodeCount(); }
+const std::vector<NodeId>& LiveMap::Cover() const { return machine_->Cover(); }
+const PlanarPose& LiveMap::DrawnPose(NodeId node) const { return machine_->DrawnPose(node); }
+
+}  // namespace graticule

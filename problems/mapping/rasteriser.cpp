@@ -1,0 +1,209 @@
+#include "graticule/problems/mapping/rasteriser.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+constexpr double kOne = 4294967296.0;  // a cell
+// Beyond this a beam is level but for the row it may graze: rows gain nothing from more.
+constexpr double kMaxSlope = 1 << 20;
+constexpr std::ptrdiff_t kGroup = 8;  // beams; 4 and 16 are slower on killian's and campus' scans
+
+std::int32_t RoundDown(double value, int multiple) {
+  return static_cast<std::int32_t>(std::floor(value / multiple)) * multiple;
+}
+
+// The 16 rows of one quarter of a column, as a tile.
+CellBits Quarter(const std::uint64_t* rows, int quarter) {
+  CellBits bits;
+  for (int w = 0; w < 4; ++w)
+    for (int r = 0; r < 4; ++r)
+      bits.words[w] |= ((rows[4 * w + r] >> (16 * quarter)) & 0xffff) << (16 * r);
+  return bits;
+}
+
+}  // namespace
+
+ScanPoints MakeScanPoints(const LaserGeometry& geometry, Span<const float> ranges,
+                          const RangeUse& use) {
+  const PlanarPose& laser = geometry.robot_from_laser;
+  for (const double number :
+       {geometry.first_angle, geometry.step, geometry.max_range, laser.x, laser.y, laser.yaw})
+    if (!std::isfinite(number)) throw Error("the laser's geometry is not finite");
+  ScanPoints points;
+  points.laser_x = static_cast<float>(laser.x);
+  points.laser_y = static_cast<float>(laser.y);
+  points.reach = std::hypot(laser.x, laser.y);
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    double range = ranges[i];
+    if (!(range > 0) || std::isinf(range)) continue;
+    const bool returned = range < geometry.max_range;
+    if (!returned && !use.clear_no_return) continue;
+    const bool hit = returned && range <= use.max_range;
+    range = std::min(range, use.max_range);
+    const double angle = geometry.first_angle + static_cast<double>(i) * geometry.step;
+    double x, y;
+    laser.Transform(range * std::cos(angle), range * std::sin(angle), &x, &y);
+    points.x.push_back(static_cast<float>(x));
+    points.y.push_back(static_cast<float>(y));
+    points.hit.push_back(hit);
+    points.reach = std::max(points.reach, std::hypot(x, y));
+  }
+  return points;
+}
+
+void Rasteriser::Draw(const ScanPoints& points, const PlanarPose& world_from_robot,
+                      std::vector<ScanTile>* tiles) {
+  tiles->clear();
+  if (points.Size() == 0) return;
+  PlaceBeams(points, world_from_robot);
+  for (const Beam *begin = beams_.data(), *last = begin + beams_.size(); begin != last;) {
+    const Beam* end = begin + 1;
+    while (end != last && end - begin < kGroup && end->up == begin->up) ++end;
+    DrawGroup(begin, end);
+    begin = end;
+  }
+  Collect(tiles);
+}
+
+void Rasteriser::PlaceBeams(const ScanPoints& points, const PlanarPose& world_from_robot) {
+  const std::size_t count = points.Size();
+  const double c = cells_per_metre_ * std::cos(world_from_robot.yaw);
+  const double s = cells_per_metre_ * std::sin(world_from_robot.yaw);
+  const double origin_x = cells_per_metre_ * world_from_robot.x;
+  const double origin_y = cells_per_metre_ * world_from_robot.y;
+  const double start_x = origin_x + c * points.laser_x - s * points.laser_y;
+  const double start_y = origin_y + s * points.laser_x + c * points.laser_y;
+  end_x_.resize(count);
+  end_y_.resize(count);
+  double min_x = start_x, max_x = start_x, min_y = start_y, max_y = start_y;
+  for (std::size_t i = 0; i < count; ++i) {
+    end_x_[i] = origin_x + c * points.x[i] - s * points.y[i];
+    end_y_[i] = origin_y + s * points.x[i] + c * points.y[i];
+    min_x = std::min(min_x, end_x_[i]);
+    max_x = std::max(max_x, end_x_[i]);
+    min_y = std::min(min_y, end_y_[i]);
+    max_y = std::max(max_y, end_y_[i]);
+  }
+  // A cell to spare at the sides: runs are rounded by 2^-32 cells a row.
+  left_ = RoundDown(min_x - 1, 64);
+  bottom_ = RoundDown(min_y, kTileSide);
+  columns_ = (RoundDown(max_x + 1, 64) - left_) / 64 + 1;
+  height_ = RoundDown(max_y, kTileSide) - bottom_ + kTileSide;
+  const std::size_t words = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(height_);
+  if (passed_.size() < words) {
+    passed_.resize(words);
+    hit_.resize(words);
+  }
+
+  // Numbers in the window are not negative: to cut them off is to round them down.
+  start_x_ = static_cast<std::int64_t>((start_x - left_) * kOne);
+  const double start_row = start_y - bottom_;
+  start_row_ = static_cast<std::int32_t>(start_row);
+  const double to_upper_row = start_row_ + 1 - start_row, to_lower_row = start_row - start_row_;
+  beams_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double dx = end_x_[i] - start_x, dy = end_y_[i] - start_y;
+    const double slope = std::clamp(dx / std::max(std::abs(dy), 1e-9), -kMaxSlope, kMaxSlope);
+    const auto end_row = static_cast<std::int32_t>(end_y_[i] - bottom_);
+    Beam& beam = beams_[i];
+    beam.up = dy >= 0;
+    beam.end_x = static_cast<std::int64_t>((end_x_[i] - left_) * kOne);
+    beam.slope = static_cast<std::int64_t>(slope * kOne);
+    beam.first =
+        start_x_ + static_cast<std::int64_t>(slope * (beam.up ? to_upper_row : to_lower_row) * kOne);
+    beam.rows = std::abs(end_row - start_row_);
+    if (points.hit[i]) {
+      const auto end_column = static_cast<std::int32_t>(beam.end_x >> 32);
+      hit_[static_cast<std::size_t>((end_column >> 6) * height_ + end_row)] |= std::uint64_t{1}
+                                                                               << (end_column & 63);
+    }
+  }
+}
+
+void Rasteriser::DrawGroup(const Beam* begin, const Beam* end) {
+  const std::int32_t step = begin->up ? 1 : -1;
+  const auto from = [this](const Beam& beam, std::int32_t k) {
+    return k == 0 ? start_x_ : beam.first + (k - 1) * beam.slope;
+  };
+  // Rows that all of them cross from edge to edge, and where no two neighbours are more than a cell
+  // apart at the far edge: there the runs of the group are one run, from the lowest slope's to
+  // the highest's.
+  std::int32_t shared = begin->rows;
+  std::int64_t apart = 0, spread = 0;
+  const Beam *lowest = begin, *highest = begin;
+  for (const Beam* beam = begin + 1; beam < end; ++beam) {
+    shared = std::min(shared, beam->rows);
+    apart = std::max(apart, std::abs(beam->first - beam[-1].first));
+    spread = std::max(spread, std::abs(beam->slope - beam[-1].slope));
+    if (beam->slope < lowest->slope) lowest = beam;
+    if (beam->slope > highest->slope) highest = beam;
+  }
+  constexpr std::int64_t kCell = std::int64_t{1} << 32;
+  if (end - begin == 1 || apart > kCell) {
+    shared = 0;
+  } else if (shared > 1 && apart + (shared - 1) * spread > kCell) {
+    shared = static_cast<std::int32_t>((kCell - apart) / spread) + 1;
+  }
+  for (std::int32_t k = 0; k < shared; ++k)
+    DrawRun(start_row_ + step * k, std::min(from(*lowest, k), from(*lowest, k + 1)),
+            std::max(from(*highest, k), from(*highest, k + 1)));
+  for (const Beam* beam = begin; beam < end; ++beam) {
+    std::int64_t x = from(*beam, shared);
+    for (std::int32_t k = shared; k < beam->rows; ++k) {
+      const std::int64_t next = beam->first + k * beam->slope;
+      DrawRun(start_row_ + step * k, std::min(x, next), std::max(x, next));
+      x = next;
+    }
+    DrawRun(start_row_ + step * beam->rows, std::min(x, beam->end_x), std::max(x, beam->end_x));
+  }
+}
+
+inline void Rasteriser::DrawRun(std::int32_t row, std::int64_t from, std::int64_t to) {
+  const auto first = static_cast<std::int32_t>(from >> 32);
+  const auto last = static_cast<std::int32_t>(to >> 32);
+  std::uint64_t* word = passed_.data() + static_cast<std::ptrdiff_t>(first >> 6) * height_ + row;
+  const std::uint64_t right_of = ~std::uint64_t{0} << (first & 63);
+  const std::uint64_t left_of = ~std::uint64_t{0} >> (63 - (last & 63));
+  int columns = (last >> 6) - (first >> 6);
+  if (columns == 0) {
+    *word |= right_of & left_of;
+    return;
+  }
+  *word |= right_of;
+  for (word += height_; --columns > 0; word += height_) *word = ~std::uint64_t{0};
+  *word |= left_of;
+}
+
+void Rasteriser::Collect(std::vector<ScanTile>* tiles) {
+  for (std::int32_t row = 0; row < height_; row += kTileSide)
+    for (std::int32_t column = 0; column < columns_; ++column) {
+      const auto at = static_cast<std::size_t>(column * height_ + row);
+      std::uint64_t *passed = passed_.data() + at, *hit = hit_.data() + at;
+      std::uint64_t any_passed = 0, any_hit = 0;
+      for (int r = 0; r < kTileSide; ++r) {
+        passed[r] &= ~hit[r];
+        any_passed |= passed[r];
+        any_hit |= hit[r];
+      }
+      const std::uint64_t any = any_passed | any_hit;
+      if (any == 0) continue;
+      for (int quarter = 0; quarter < 4; ++quarter) {
+        if (((any >> (16 * quarter)) & 0xffff) == 0) continue;
+        tiles->emplace_back();
+        ScanTile& tile = tiles->back();
+        tile.index = {left_ / kTileSide + 4 * column + quarter, (bottom_ + row) / kTileSide};
+        tile.passed = Quarter(passed, quarter);
+        if ((any_hit >> (16 * quarter)) & 0xffff) tile.hit = Quarter(hit, quarter);
+      }
+      std::memset(passed, 0, kTileSide * sizeof(*passed));
+      if (any_hit) std::memset(hit, 0, kTileSide * sizeof(*hit));
+    }
+}
+
+}  // namespace graticule

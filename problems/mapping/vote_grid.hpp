@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "graticule/problems/mapping/occupancy_map.hpp"
+#include "graticule/problems/mapping/rasteriser.hpp"
+#include "graticule/problems/mapping/votes.hpp"
+
+namespace graticule {
+
+struct CellIndex {
+  std::int32_t x = 0, y = 0;
+};
+
+struct CellFlip {
+  CellIndex cell;
+  CellLabel from = CellLabel::kUnknown, to = CellLabel::kUnknown;
+};
+
+/// What a version of a map has that the one before had not.
+struct MapChange {
+  std::size_t dirty_tiles = 0;           ///< votes changed: looked at
+  std::vector<TileIndex> changed_tiles;  ///< labels changed; in order
+  std::vector<CellFlip> flips;
+  std::vector<CellIndex> frontier_came, frontier_went;
+};
+
+/// Votes of all scans that are in the map, and which tiles' votes have changed since the last map
+/// was made from them.
+class VoteGrid {
+ public:
+  explicit VoteGrid(const VoteRule& rule) : rule_(rule) {}
+
+  /// Takes a scan's votes back and gives others instead: exact, and tiles that say the same in both
+  /// are left alone.  Either may be empty; both in order of their tiles.
+  void Replace(const std::vector<ScanTile>& before, const std::vector<ScanTile>& after);
+  /// Adds counts given as planes.
+  void Add(TileIndex tile, const CellBits* passes, const CellBits* hits, int planes);
+  /// No votes at all; every tile that had some is dirty.
+  void Clear();
+
+  std::size_t DirtyTiles() const { return dirty_tiles_; }
+
+  /// The map after `before`, which must be the one that this returned last: labels of dirty tiles
+  /// are made anew, those of the others shared.  `before` itself if no label changed.
+  std::shared_ptr<const OccupancyMap> Publish(const std::shared_ptr<const OccupancyMap>& before,
+                                              MapChange* change);
+
+ private:
+  struct Page {
+    VoteTile tiles[kPageTiles];
+    std::uint64_t used = 0, dirty = 0;  // a bit a tile
+    TileIndex index;
+  };
+
+  Page& PageAt(TileIndex page);
+  VoteTile& Dirty(TileIndex tile);
+
+  VoteRule rule_;
+  PageGrid<std::unique_ptr<Page>> pages_;
+  std::vector<Page*> dirty_pages_;
+  std::size_t dirty_tiles_ = 0;
+  Page* last_ = nullptr;  // the page that was asked for last
+};
+
+}  // namespace graticule

@@ -1,0 +1,124 @@
+#include "graticule/problems/mapping/votes.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+constexpr int kMaxWeight = 15;
+constexpr int kMaxConstant = 1 << 20;
+// A weighted count plus a constant.
+constexpr int kSumPlanes = VoteTile::kPlanes + 6;
+
+struct Sum {
+  CellBits planes[kSumPlanes];
+  int used = 0;
+};
+
+// sum += counts * 2^shift.
+void AddShifted(const CellBits* counts, int planes, int shift, Sum* sum) {
+  CellBits carry;
+  for (int i = shift; i < kSumPlanes && (i - shift < planes || carry.Any()); ++i) {
+    const CellBits a = sum->planes[i];
+    const CellBits b = i - shift < planes ? counts[i - shift] : CellBits();
+    const CellBits half = a ^ b;
+    sum->planes[i] = half ^ carry;
+    carry = (a & b) | (half & carry);
+    sum->used = std::max(sum->used, i + 1);
+  }
+}
+
+void AddConstant(int constant, Sum* sum) {
+  CellBits planes[kSumPlanes];
+  int used = 0;
+  for (; constant >> used; ++used)
+    if ((constant >> used) & 1) planes[used] = ~CellBits();
+  AddShifted(planes, used, 0, sum);
+}
+
+// Counts as the rule sees them: weighted, and no more than the saturation.
+void Weigh(const CellBits* counts, int planes, int weight, int saturation, Sum* sum) {
+  CellBits limited[VoteTile::kPlanes];
+  int bits = 0;
+  while (saturation >> bits) ++bits;
+  if (saturation > 0 && planes > bits) {
+    CellBits over;
+    for (int i = bits; i < planes; ++i) over = over | counts[i];
+    for (int i = 0; i < bits; ++i) limited[i] = counts[i] | over;
+    counts = limited;
+    planes = bits;
+  }
+  for (int shift = 0; weight >> shift; ++shift)
+    if ((weight >> shift) & 1) AddShifted(counts, planes, shift, sum);
+}
+
+// Where a >= b + constant.
+CellBits AtLeast(Sum a, Sum b, int constant) {
+  if (constant > 0) AddConstant(constant, &b);
+  if (constant < 0) AddConstant(-constant, &a);
+  CellBits at_least = ~CellBits();
+  for (int i = 0; i < std::max(a.used, b.used); ++i) {
+    const CellBits differ = a.planes[i] ^ b.planes[i];
+    at_least = (a.planes[i] & differ) | (at_least & ~differ);
+  }
+  return at_least;
+}
+
+void Refuse(const char* what, int found, const char* expected) {
+  throw Error(std::string("map votes: expected ") + what + " " + expected + ", found " +
+                  std::to_string(found),
+              ErrorKind::kUsage);
+}
+
+}  // namespace
+
+void CheckVoteRule(const VoteRule& rule) {
+  if (rule.hit_votes < 1 || rule.hit_votes > kMaxWeight)
+    Refuse("hit_votes", rule.hit_votes, "from 1 to 15");
+  if (rule.pass_votes < 1 || rule.pass_votes > kMaxWeight)
+    Refuse("pass_votes", rule.pass_votes, "from 1 to 15");
+  for (const int constant : {rule.bias, rule.structure_from, rule.free_to})
+    if (constant < -kMaxConstant || constant > kMaxConstant)
+      Refuse("a bias or threshold", constant, "within a million");
+  if (rule.free_to >= rule.structure_from)
+    Refuse("free_to", rule.free_to, "below structure_from");
+  if (rule.saturation < 0 || (rule.saturation & (rule.saturation + 1)) != 0)
+    Refuse("saturation", rule.saturation, "2^n - 1, or 0");
+}
+
+void CountAll(const CellBits* plus, int plus_planes, CellBits* planes, std::uint8_t* used) {
+  CellBits carry;
+  for (int i = 0; i < plus_planes || carry.Any(); ++i) {
+    const CellBits a = planes[i];
+    const CellBits b = i < plus_planes ? plus[i] : CellBits();
+    const CellBits half = a ^ b;
+    planes[i] = half ^ carry;
+    carry = (a & b) | (half & carry);
+    if (i >= *used) *used = static_cast<std::uint8_t>(i + 1);
+  }
+}
+
+TileLabels LabelTile(const VoteTile& tile, const VoteRule& rule) {
+  Sum hits, passes;
+  Weigh(tile.hits, tile.hit_planes, rule.hit_votes, rule.saturation, &hits);
+  Weigh(tile.passes, tile.pass_planes, rule.pass_votes, rule.saturation, &passes);
+  CellBits was_hit, was_passed;
+  for (int i = 0; i < tile.hit_planes; ++i) was_hit = was_hit | tile.hits[i];
+  for (int i = 0; i < tile.pass_planes; ++i) was_passed = was_passed | tile.passes[i];
+
+  TileLabels labels;
+  const CellBits seen = was_hit | was_passed;
+  labels.structure = AtLeast(hits, passes, rule.structure_from - rule.bias) & seen;
+  const CellBits above_free =
+      rule.free_to == rule.structure_from - 1
+          ? labels.structure
+          : AtLeast(hits, passes, rule.free_to + 1 - rule.bias);
+  labels.free = seen & ~above_free;
+  labels.removed = labels.free & was_hit;
+  return labels;
+}
+
+}  // namespace graticule
