@@ -13,8 +13,8 @@
 #include "graticule/io/file.hpp"
 #include "graticule/io/g2o_laser.hpp"
 #include "graticule/io/pose_sequence.hpp"
-#include "graticule/problems/mapping/agreement.hpp"
 #include "graticule/problems/mapping/live_map.hpp"
+#include "graticule/problems/mapping/map_error.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -41,8 +41,8 @@ double ThreadSeconds() {
 NodeId AddNode(const Mission& mission, const PoseSequence::Pose& pose, LiveMap* map) {
   const LaserLog& log = mission.laser.log;
   const LaserScan& scan = log.scans[pose.node];
-  return map->AddNode(mission.sequence.RobotOf(pose.node), log.GeometryOf(scan),
-                      log.RangesOf(scan), pose.world_from_robot);
+  return map->AddNode(mission.sequence.RobotOf(pose.node), log.GeometryOf(scan), log.RangesOf(scan),
+                      pose.world_from_robot);
 }
 
 Replay Run(const Mission& mission, const LiveMapOptions& options, double deadline) {
@@ -101,7 +101,7 @@ void Print(const std::string& name, Replay replay, const OccupancyMap& reference
     ++bands[std::upper_bound(std::begin(kBands), std::end(kBands), s) - std::begin(kBands)];
   std::sort(replay.cpu.begin(), replay.cpu.end());
   const auto n = replay.cpu.size();
-  const MapAgreement agreement = Agreement(*replay.map, reference);
+  const MapAgreement agreement = CompareMaps(reference.Grid(), replay.map->Grid());
   fmt::print(
       "{:16} total {:8.4f} s, mean {:8.4f} ms, p99 {:8.3f}, worst {:8.3f} (wall {:8.3f}); graphs < "
       "0.5, 1, 5, 20 ms, above: {} {} {} {} {}; cover {}, drawn anew {}, dirty {}, flips {}\n"
@@ -110,9 +110,8 @@ void Print(const std::string& name, Replay replay, const OccupancyMap& reference
       name, total, 1e3 * total / static_cast<double>(n), 1e3 * replay.cpu[n * 99 / 100],
       1e3 * replay.cpu.back(), 1e3 * *std::max_element(replay.wall.begin(), replay.wall.end()),
       bands[0], bands[1], bands[2], bands[3], bands[4], replay.cover, replay.regenerated_nodes,
-      replay.dirty, replay.flips, "", agreement.StructureIou(), agreement.FreeIou(),
-      agreement.KnownRecall(),
-      static_cast<double>(agreement.different_known) / static_cast<double>(agreement.known));
+      replay.dirty, replay.flips, "", agreement.Iou(Occupancy::kStructure),
+      agreement.Iou(Occupancy::kFree), agreement.KnownRecall(), agreement.KnownChanged());
   if (replay.left_over > 0)
     fmt::print("{:16} slices left over {}, in {} graphs\n", "", replay.left_over,
                replay.graphs_with_left_over);
@@ -138,23 +137,40 @@ int Main(int argc, char** argv) {
     const std::string name = word.substr(0, equals);
     const double value = equals == std::string::npos ? 1 : std::atof(word.c_str() + equals + 1);
     const int whole = static_cast<int>(value);
-    if (kMethods.count(name)) methods.push_back(name);
-    else if (name == "slice") options.slice_size = static_cast<std::size_t>(whole);
-    else if (name == "resolution") options.resolution = value;
-    else if (name == "max-range") options.ranges.max_range = value;
-    else if (name == "clear-no-return") options.ranges.clear_no_return = whole != 0;
-    else if (name == "cover") options.cover.on = whole != 0;
-    else if (name == "news") options.cover.news = value;
-    else if (name == "views") options.cover.views = whole;
-    else if (name == "across") options.cover.across_robots = whole != 0;
-    else if (name == "threshold") options.regenerate_above = value;
-    else if (name == "hit-votes") options.votes.hit_votes = whole;
-    else if (name == "pass-votes") options.votes.pass_votes = whole;
-    else if (name == "bias") options.votes.bias = whole;
-    else if (name == "saturation") options.votes.saturation = whole;
-    else if (name == "threads") options.threads = whole;
-    else if (name == "deadline") deadline = 1e-3 * value;
-    else throw Error("unknown word '" + word + "'", ErrorKind::kUsage);
+    if (kMethods.count(name))
+      methods.push_back(name);
+    else if (name == "slice")
+      options.slice_size = static_cast<std::size_t>(whole);
+    else if (name == "resolution")
+      options.resolution = value;
+    else if (name == "max-range")
+      options.ranges.max_range = value;
+    else if (name == "clear-no-return")
+      options.ranges.clear_no_return = whole != 0;
+    else if (name == "cover")
+      options.cover.on = whole != 0;
+    else if (name == "news")
+      options.cover.news = value;
+    else if (name == "views")
+      options.cover.views = whole;
+    else if (name == "across")
+      options.cover.across_robots = whole != 0;
+    else if (name == "threshold")
+      options.regenerate_above = value;
+    else if (name == "hit-votes")
+      options.votes.hit_votes = whole;
+    else if (name == "pass-votes")
+      options.votes.pass_votes = whole;
+    else if (name == "bias")
+      options.votes.bias = whole;
+    else if (name == "saturation")
+      options.votes.saturation = whole;
+    else if (name == "threads")
+      options.threads = whole;
+    else if (name == "deadline")
+      deadline = 1e-3 * value;
+    else
+      throw Error("unknown word '" + word + "'", ErrorKind::kUsage);
   }
   const auto reference = Reference(mission, options);
   for (const std::string& method : methods) {
@@ -169,9 +185,10 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    fmt::print(stderr,
-               "usage: graticule_mapping_replay SCANS.g2o SEQUENCE.pgseq METHOD... [NAME=VALUE...]\n"
-               "methods: naive naive-cover cover-composite incremental\n");
+    fmt::print(
+        stderr,
+        "usage: graticule_mapping_replay SCANS.g2o SEQUENCE.pgseq METHOD... [NAME=VALUE...]\n"
+        "methods: naive naive-cover cover-composite incremental\n");
     return 2;
   }
   try {

@@ -44,9 +44,8 @@ bool CoverTest::StillAdds(const Footprint& member) {
         tile.index.x > candidate_.high.x)
       continue;
     if (tile.index.y > candidate_.high.y) break;
-    const int place =
-        place_[static_cast<std::size_t>((tile.index.y - candidate_.low.y) * width + tile.index.x -
-                                        candidate_.low.x)];
+    const int place = place_[static_cast<std::size_t>((tile.index.y - candidate_.low.y) * width +
+                                                      tile.index.x - candidate_.low.x)];
     if (place < 0) continue;
     const ScanTile& own = candidate_.tiles[static_cast<std::size_t>(place)];
     Seen& seen = seen_[static_cast<std::size_t>(place)];

@@ -13,7 +13,8 @@ struct CoverOptions {
   /// The dial.  A node is left out if no more than this share of the cells that it sees are news:
   /// have been seen by fewer than `views` nodes of the cover.  0: what adds a cell stays.
   double news = 0.05;
-  int views = 2;  ///< 1 .. 7: that each cell is to be seen by, so that transients are still voted out
+  int views =
+      2;  ///< 1 .. 7: that each cell is to be seen by, so that transients are still voted out
   /// Whether what other robots have seen counts too, which goes beyond Algorithm 2.1.
   bool across_robots = false;
 };

@@ -7,8 +7,8 @@
 
 namespace graticule {
 
-/// The sub-map of a slice as the thesis has it (section 2.3): all tiles of its bounding box, counted
-/// together.  For comparison.
+/// The sub-map of a slice as the thesis has it (section 2.3): all tiles of its bounding box,
+/// counted together.  For comparison.
 class DenseSlice {
  public:
   void Draw(const std::vector<const Footprint*>& drawings);
@@ -17,7 +17,7 @@ class DenseSlice {
 
  private:
   TileIndex low_, high_{-1, -1};
-  int planes_ = 0;                 // of a count
+  int planes_ = 0;                       // of a count
   std::vector<CellBits> passes_, hits_;  // planes_ a tile, row by row
 };
 

@@ -166,9 +166,7 @@ class LiveMap::Machine {
     bool any = false;
   };
 
-  double Elapsed() const {
-    return std::chrono::duration<double>(Clock::now() - started_).count();
-  }
+  double Elapsed() const { return std::chrono::duration<double>(Clock::now() - started_).count(); }
 
   void Include(NodeId id, const PlanarPose& pose, double reach, Extent* extent) const {
     if (!std::isfinite(pose.x) || !std::isfinite(pose.y) || !std::isfinite(pose.yaw))
@@ -180,11 +178,10 @@ class LiveMap::Machine {
     extent->any = true;
     // A quarter of what a PageGrid holds: it grows by more than it has to.
     const double page = options_.resolution * kTileSide * kPageSide;
-    const double pages = ((extent->right - extent->left) / page + 2) *
-                         ((extent->top - extent->bottom) / page + 2);
-    const double cell =
-        std::max({-extent->left, extent->right, -extent->bottom, extent->top}) /
-        options_.resolution;
+    const double pages =
+        ((extent->right - extent->left) / page + 2) * ((extent->top - extent->bottom) / page + 2);
+    const double cell = std::max({-extent->left, extent->right, -extent->bottom, extent->top}) /
+                        options_.resolution;
     if (!(pages < static_cast<double>(OccupancyMap::Pages::kMaxPages) / 4) ||
         !(cell < Rasteriser::kMaxCell))
       throw Error("the pose of node " + std::to_string(id) + ", (" + Shown(pose.x) + ", " +
@@ -241,8 +238,8 @@ class LiveMap::Machine {
   double ErrorOf(const Slice& slice) const {
     double error = 0;
     for (const NodeId id : slice.nodes)
-      error = std::max(
-          error, ProjectionError(nodes_[id].points, nodes_[id].drawn_at, nodes_[id].pose));
+      error =
+          std::max(error, ProjectionError(nodes_[id].points, nodes_[id].drawn_at, nodes_[id].pose));
     return error;
   }
 
@@ -255,9 +252,7 @@ class LiveMap::Machine {
     std::size_t drawn = 0, end = begin;
     for (; end < stale.size() && drawn < batch; ++end) {
       const std::size_t nodes = slices_[stale[end]].nodes.size();
-      if (!work_.Fits(Elapsed(), deadline_, drawn + nodes, reserved,
-                      grid_.DirtyTiles()))
-        break;
+      if (!work_.Fits(Elapsed(), deadline_, drawn + nodes, reserved, grid_.DirtyTiles())) break;
       drawn += nodes;
     }
     return end;
@@ -327,8 +322,7 @@ class LiveMap::Machine {
   // coverTest.  The latest first: they are the likeliest to have seen the same.
   bool AddsToCover(std::uint32_t robot) {
     CoverTest test(options_.cover, candidate_);
-    const std::vector<NodeId>& cover =
-        options_.cover.across_robots ? cover_ : robots_[robot].cover;
+    const std::vector<NodeId>& cover = options_.cover.across_robots ? cover_ : robots_[robot].cover;
     for (std::size_t i = cover.size(); i-- > 0 && test.StillAdds(nodes_[cover[i]].drawing);) {
     }
     return test.Adds();

@@ -52,8 +52,8 @@ struct StaleSlice {
 struct MapUpdate {
   double seconds = 0;  ///< wall time
   std::uint64_t version = 0;
-  std::size_t nodes = 0;        ///< added so far
-  std::size_t cover = 0;        ///< of these, in the cover
+  std::size_t nodes = 0;  ///< added so far
+  std::size_t cover = 0;  ///< of these, in the cover
   std::size_t slices = 0;
   std::size_t regenerated_slices = 0, regenerated_nodes = 0;  ///< drawn anew, new nodes not counted
   std::vector<StaleSlice> left_over;  ///< the deadline came first: finished by later updates

@@ -63,6 +63,42 @@ double MapAgreement::KnownRecall() const {
   return Share(known - lost, known);
 }
 
+double MapAgreement::KnownChanged() const {
+  std::size_t known = 0, changed = 0;
+  for (const Occupancy truth : {Occupancy::kFree, Occupancy::kStructure}) {
+    for (int map = 0; map < 3; ++map) known += cells[static_cast<int>(truth)][map];
+    changed += Count(truth, truth == Occupancy::kFree ? Occupancy::kStructure : Occupancy::kFree) +
+               Count(truth, Occupancy::kUnknown);
+  }
+  return known == 0 ? 0 : Share(changed, known);
+}
+
+OccupancyGrid Extended(const OccupancyGrid& map, const OccupancyGrid& other) {
+  const PlanarPose map_from_other = Inverse(map.map_from_grid) * other.map_from_grid;
+  const auto beyond = [&](double metres) {  // cells, rounding errors of a corner aside
+    return static_cast<std::size_t>(std::max(0.0, std::ceil(metres / map.resolution - 1e-6)));
+  };
+  const auto side = [](std::size_t cells, double metres) {
+    return static_cast<double>(cells) * metres;
+  };
+  const std::size_t left = beyond(-map_from_other.x), below = beyond(-map_from_other.y);
+  const std::size_t right = beyond(map_from_other.x + side(other.width, other.resolution) -
+                                   side(map.width, map.resolution));
+  const std::size_t above = beyond(map_from_other.y + side(other.height, other.resolution) -
+                                   side(map.height, map.resolution));
+  OccupancyGrid grid;
+  grid.resolution = map.resolution;
+  grid.width = left + map.width + right;
+  grid.height = below + map.height + above;
+  grid.map_from_grid =
+      map.map_from_grid * PlanarPose{-side(left, map.resolution), -side(below, map.resolution), 0};
+  grid.cells.assign(grid.width * grid.height, Occupancy::kUnknown);
+  for (std::size_t y = 0; y < map.height; ++y)
+    std::copy_n(map.cells.data() + y * map.width, map.width,
+                grid.cells.data() + (y + below) * grid.width + left);
+  return grid;
+}
+
 OccupancyGrid Resample(const OccupancyGrid& reference, const OccupancyGrid& map) {
   if (std::abs(WrappedAngle(reference.map_from_grid.yaw - map.map_from_grid.yaw)) > 1e-9)
     throw Error("the maps are turned against each other", ErrorKind::kUsage);
@@ -90,10 +126,10 @@ OccupancyGrid Resample(const OccupancyGrid& reference, const OccupancyGrid& map)
 }
 
 MapAgreement CompareMaps(const OccupancyGrid& reference, const OccupancyGrid& map) {
-  const OccupancyGrid laid = Resample(reference, map);
+  const OccupancyGrid whole = Extended(map, reference), laid = Resample(reference, whole);
   MapAgreement agreement;
-  for (std::size_t i = 0; i < map.cells.size(); ++i)
-    ++agreement.cells[static_cast<int>(laid.cells[i])][static_cast<int>(map.cells[i])];
+  for (std::size_t i = 0; i < whole.cells.size(); ++i)
+    ++agreement.cells[static_cast<int>(laid.cells[i])][static_cast<int>(whole.cells[i])];
   return agreement;
 }
 

@@ -26,6 +26,8 @@ struct MapAgreement {
   double Iou(Occupancy what) const;
   /// Of the cells that the reference knows, those that the map knows.
   double KnownRecall() const;
+  /// Of the cells that the reference knows, those of which the map says something else.
+  double KnownChanged() const;
 };
 
 /// The map's cells against the reference, laid over each other by their frames; cells of the
@@ -34,7 +36,10 @@ struct MapAgreement {
 /// coarser.
 MapAgreement CompareMaps(const OccupancyGrid& reference, const OccupancyGrid& map);
 
-/// The reference on the cells of a map.
+/// The map with so many unknown cells around it that it covers all of another.
+OccupancyGrid Extended(const OccupancyGrid& map, const OccupancyGrid& other);
+
+/// The reference on the cells of a map; what lies outside is left out.
 OccupancyGrid Resample(const OccupancyGrid& reference, const OccupancyGrid& map);
 
 /// Whether a robot's ways are the same in a map as in its reference: a doorway that the map closes,

@@ -34,10 +34,10 @@ std::size_t Cells(const CellBox& box) {
 
 }  // namespace
 
-CellLabel OccupancyMap::AtPlace(double x, double y) const {
+Occupancy OccupancyMap::AtPlace(double x, double y) const {
   const double column = std::floor(x / resolution_), row = std::floor(y / resolution_);
   constexpr double kFar = 1 << 30;
-  if (!(std::abs(column) < kFar && std::abs(row) < kFar)) return CellLabel::kUnknown;
+  if (!(std::abs(column) < kFar && std::abs(row) < kFar)) return Occupancy::kUnknown;
   return At(static_cast<std::int32_t>(column), static_cast<std::int32_t>(row));
 }
 
@@ -78,13 +78,15 @@ CellBox OccupancyMap::KnownBox() const {
 OccupancyGrid OccupancyMap::Grid(const CellBox& box) const {
   OccupancyGrid grid;
   grid.resolution = resolution_;
-  grid.box = box;
-  grid.cells.assign(Cells(box), CellLabel::kUnknown);
+  grid.map_from_grid = {box.left * resolution_, box.bottom * resolution_, 0};
+  grid.width = static_cast<std::size_t>(box.width);
+  grid.height = static_cast<std::size_t>(box.height);
+  grid.cells.assign(Cells(box), Occupancy::kUnknown);
   ForEachTile(*this, [&](TileIndex index, const MapTile& tile) {
     ForEachIn(box, index, tile.structure,
-              [&](std::size_t cell) { grid.cells[cell] = CellLabel::kStructure; });
+              [&](std::size_t cell) { grid.cells[cell] = Occupancy::kStructure; });
     ForEachIn(box, index, tile.free,
-              [&](std::size_t cell) { grid.cells[cell] = CellLabel::kFree; });
+              [&](std::size_t cell) { grid.cells[cell] = Occupancy::kFree; });
   });
   return grid;
 }

@@ -4,11 +4,20 @@
 #include <memory>
 #include <vector>
 
-#include "graticule/io/occupancy_grid.hpp"
+#include "graticule/io/occupancy.hpp"
 #include "graticule/problems/mapping/cell_bits.hpp"
 #include "graticule/problems/mapping/page_grid.hpp"
 
 namespace graticule {
+
+/// A box of cells.
+struct CellBox {
+  std::int32_t left = 0, bottom = 0;  ///< the lower left cell
+  std::int32_t width = 0, height = 0;
+  bool Has(std::int32_t x, std::int32_t y) const {
+    return x >= left && y >= bottom && x - left < width && y - bottom < height;
+  }
+};
 
 /// A tile of the map.  A cell is structure, free, or neither: unknown.
 struct MapTile {
@@ -35,13 +44,13 @@ class OccupancyMap {
   /// Grows by one with each change; 0: nothing was seen yet.
   std::uint64_t Version() const { return version_; }
 
-  CellLabel At(std::int32_t x, std::int32_t y) const {
+  Occupancy At(std::int32_t x, std::int32_t y) const {
     const MapTile& tile = TileAt({x >> 4, y >> 4});
-    if (tile.structure.Test(x & 15, y & 15)) return CellLabel::kStructure;
-    return tile.free.Test(x & 15, y & 15) ? CellLabel::kFree : CellLabel::kUnknown;
+    if (tile.structure.Test(x & 15, y & 15)) return Occupancy::kStructure;
+    return tile.free.Test(x & 15, y & 15) ? Occupancy::kFree : Occupancy::kUnknown;
   }
   /// Of the place (x, y) in the world, m.  Unknown far off and where not finite.
-  CellLabel AtPlace(double x, double y) const;
+  Occupancy AtPlace(double x, double y) const;
   bool IsFrontier(std::int32_t x, std::int32_t y) const {
     return TileAt({x >> 4, y >> 4}).frontier.Test(x & 15, y & 15);
   }

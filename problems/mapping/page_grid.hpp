@@ -35,9 +35,7 @@ class PageGrid {
     if (x < 0 || y < 0 || x >= width_ || y >= height_) return nullptr;
     return &items_[static_cast<std::size_t>(y * width_ + x)];
   }
-  T* Find(TileIndex page) {
-    return const_cast<T*>(static_cast<const PageGrid*>(this)->Find(page));
-  }
+  T* Find(TileIndex page) { return const_cast<T*>(static_cast<const PageGrid*>(this)->Find(page)); }
 
   /// Grows, by more than it has to, so that growing seldom is needed.
   /// Throws Error: too many pages.

@@ -115,8 +115,8 @@ void Rasteriser::PlaceBeams(const ScanPoints& points, const PlanarPose& world_fr
     beam.up = dy >= 0;
     beam.end_x = static_cast<std::int64_t>((end_x_[i] - left_) * kOne);
     beam.slope = static_cast<std::int64_t>(slope * kOne);
-    beam.first =
-        start_x_ + static_cast<std::int64_t>(slope * (beam.up ? to_upper_row : to_lower_row) * kOne);
+    beam.first = start_x_ +
+                 static_cast<std::int64_t>(slope * (beam.up ? to_upper_row : to_lower_row) * kOne);
     beam.rows = std::abs(end_row - start_row_);
     if (points.hit[i]) {
       const auto end_column = static_cast<std::int32_t>(beam.end_x >> 32);

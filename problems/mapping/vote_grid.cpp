@@ -16,8 +16,10 @@ CellBits BesideUnknown(const CellBits& own, const CellBits& left, const CellBits
   CellBits beside;
   for (int i = 0; i < 4; ++i) {
     const std::uint64_t word = own.words[i];
-    const std::uint64_t from_left = ((word & ~kColumn15) << 1) | ((left.words[i] & kColumn15) >> 15);
-    const std::uint64_t from_right = ((word & ~kColumn0) >> 1) | ((right.words[i] & kColumn0) << 15);
+    const std::uint64_t from_left =
+        ((word & ~kColumn15) << 1) | ((left.words[i] & kColumn15) >> 15);
+    const std::uint64_t from_right =
+        ((word & ~kColumn0) >> 1) | ((right.words[i] & kColumn0) << 15);
     const std::uint64_t under = i > 0 ? own.words[i - 1] : below.words[3];
     const std::uint64_t over = i < 3 ? own.words[i + 1] : above.words[0];
     beside.words[i] =
@@ -29,7 +31,8 @@ CellBits BesideUnknown(const CellBits& own, const CellBits& left, const CellBits
 // A version of the map in the making: pages are copied when they are first written to.
 class Draft {
  public:
-  explicit Draft(const OccupancyMap& before) : version_(before.Version() + 1), pages_(before.AllPages()) {}
+  explicit Draft(const OccupancyMap& before)
+      : version_(before.Version() + 1), pages_(before.AllPages()) {}
 
   const MapTile& At(TileIndex tile) const {
     static const MapTile empty;
@@ -69,15 +72,14 @@ CellIndex CellOf(TileIndex tile, int column, int row) {
 void AppendFlips(TileIndex index, const MapTile& before, const TileLabels& after,
                  std::vector<CellFlip>* flips) {
   const auto label = [](const CellBits& structure, const CellBits& free, int x, int y) {
-    return structure.Test(x, y) ? CellLabel::kStructure
-           : free.Test(x, y)    ? CellLabel::kFree
-                                : CellLabel::kUnknown;
+    return structure.Test(x, y) ? Occupancy::kStructure
+           : free.Test(x, y)    ? Occupancy::kFree
+                                : Occupancy::kUnknown;
   };
-  ForEachCell((before.structure ^ after.structure) | (before.free ^ after.free),
-              [&](int x, int y) {
-                flips->push_back({CellOf(index, x, y), label(before.structure, before.free, x, y),
-                                  label(after.structure, after.free, x, y)});
-              });
+  ForEachCell((before.structure ^ after.structure) | (before.free ^ after.free), [&](int x, int y) {
+    flips->push_back({CellOf(index, x, y), label(before.structure, before.free, x, y),
+                      label(after.structure, after.free, x, y)});
+  });
 }
 
 void UpdateFrontier(TileIndex index, Draft* draft, MapChange* change) {
@@ -92,12 +94,10 @@ void UpdateFrontier(TileIndex index, Draft* draft, MapChange* change) {
   const CellBits before = tile.frontier;
   if (frontier == before) return;
   draft->Write(index).frontier = frontier;
-  ForEachCell(frontier & ~before, [&](int x, int y) {
-    change->frontier_came.push_back(CellOf(index, x, y));
-  });
-  ForEachCell(before & ~frontier, [&](int x, int y) {
-    change->frontier_went.push_back(CellOf(index, x, y));
-  });
+  ForEachCell(frontier & ~before,
+              [&](int x, int y) { change->frontier_came.push_back(CellOf(index, x, y)); });
+  ForEachCell(before & ~frontier,
+              [&](int x, int y) { change->frontier_went.push_back(CellOf(index, x, y)); });
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ struct CellIndex {
 
 struct CellFlip {
   CellIndex cell;
-  CellLabel from = CellLabel::kUnknown, to = CellLabel::kUnknown;
+  Occupancy from = Occupancy::kUnknown, to = Occupancy::kUnknown;
 };
 
 /// What a version of a map has that the one before had not.

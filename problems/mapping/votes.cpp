@@ -83,8 +83,7 @@ void CheckVoteRule(const VoteRule& rule) {
   for (const int constant : {rule.bias, rule.structure_from, rule.free_to})
     if (constant < -kMaxConstant || constant > kMaxConstant)
       Refuse("a bias or threshold", constant, "within a million");
-  if (rule.free_to >= rule.structure_from)
-    Refuse("free_to", rule.free_to, "below structure_from");
+  if (rule.free_to >= rule.structure_from) Refuse("free_to", rule.free_to, "below structure_from");
   if (rule.saturation < 0 || (rule.saturation & (rule.saturation + 1)) != 0)
     Refuse("saturation", rule.saturation, "2^n - 1, or 0");
 }
@@ -112,10 +111,9 @@ TileLabels LabelTile(const VoteTile& tile, const VoteRule& rule) {
   TileLabels labels;
   const CellBits seen = was_hit | was_passed;
   labels.structure = AtLeast(hits, passes, rule.structure_from - rule.bias) & seen;
-  const CellBits above_free =
-      rule.free_to == rule.structure_from - 1
-          ? labels.structure
-          : AtLeast(hits, passes, rule.free_to + 1 - rule.bias);
+  const CellBits above_free = rule.free_to == rule.structure_from - 1
+                                  ? labels.structure
+                                  : AtLeast(hits, passes, rule.free_to + 1 - rule.bias);
   labels.free = seen & ~above_free;
   labels.removed = labels.free & was_hit;
   return labels;

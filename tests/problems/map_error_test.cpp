@@ -45,6 +45,19 @@ TEST(CompareMaps, LaysFinerCellsOnCoarser) {
   EXPECT_THROW(CompareMaps(map, fine), Error);
 }
 
+TEST(CompareMaps, CountsCellsThatOnlyOneMapHas) {
+  OccupancyGrid reference = Grid(2, {O::kFree, O::kStructure});
+  OccupancyGrid map = Grid(2, {O::kStructure, O::kFree});
+  map.map_from_grid = {0.1, -0.1, 0};  // below, and one cell to the right
+  const MapAgreement agreement = CompareMaps(reference, map);
+  EXPECT_EQ(agreement.Count(O::kFree, O::kUnknown), 1u);
+  EXPECT_EQ(agreement.Count(O::kStructure, O::kUnknown), 1u);
+  EXPECT_EQ(agreement.Count(O::kUnknown, O::kStructure), 1u);
+  EXPECT_EQ(agreement.Count(O::kUnknown, O::kFree), 1u);
+  EXPECT_EQ(agreement.Count(O::kUnknown, O::kUnknown), 2u);
+  EXPECT_EQ(agreement.KnownChanged(), 1);
+}
+
 // A house of the simulated town; the map has one door closed, or one wall opened.
 class Gaps : public testing::Test {
  protected:
