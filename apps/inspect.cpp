@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "graticule/solver/diagnose.hpp"
 #include "problem.hpp"
+#include "structure_json.hpp"
 
 namespace graticule::apps {
 namespace {
@@ -61,19 +62,6 @@ Json Factors(const Graph& graph) {
                     {"residuals", row.residuals},
                     {"with_loss", row.losses},
                     {"schema", row.schema}});
-  return json;
-}
-
-Json Pieces(const Graph& graph, const Structure& structure) {
-  Json json = Json::array();
-  for (const Structure::Piece& piece : structure.pieces)
-    json.push_back({{"first", graph.KeyOf(piece.first).ToString()},
-                    {"variables", piece.variables},
-                    {"factors", piece.factors},
-                    {"held_by", piece.has_fixed      ? "a fixed variable"
-                                : piece.has_absolute ? "factors that may be absolute"
-                                                     : "nothing"},
-                    {"anchor", piece.IsLoose() ? graph.KeyOf(piece.anchor).ToString() : ""}});
   return json;
 }
 
@@ -167,14 +155,7 @@ int Run(const InspectCommand& command, const Console& console) {
   json["factors"] = graph.FactorCount();
   json["residuals"] = residuals;
   json["factor_types"] = Factors(graph);
-  json["pieces"] = Pieces(graph, structure);
-  const auto keys = [&](const std::vector<VariableId>& ids) {
-    Json list = Json::array();
-    for (const VariableId id : ids) list.push_back(graph.KeyOf(id).ToString());
-    return list;
-  };
-  json["isolated"] = keys(structure.isolated);
-  json["starved"] = keys(structure.starved);
+  json.update(StructureJson(graph, structure));
   json["rank"] = Rank(graph, structure);
   if (command.json) {
     fmt::print("{}\n", json.dump(1));

@@ -23,6 +23,7 @@
 #include "marginals.hpp"
 #include "problem.hpp"
 #include "rejection.hpp"
+#include "structure_json.hpp"
 
 namespace graticule::apps {
 namespace {
@@ -72,6 +73,14 @@ void PrintSummary(const SolveCommand& command, const Graph& graph, const Report&
                keys, worst.keys.size() > 4 ? " ..." : "",
                worst.source.empty() ? "" : ", " + worst.source);
   }
+}
+
+// In place of the report.
+void PrintIllPosed(const Graph& graph, const Error& error, const SolveCommand& command) {
+  nlohmann::ordered_json json = {
+      {"schema", "graticule-ill-posed/1"}, {"file", command.file}, {"error", error.what()}};
+  json.update(StructureJson(graph, AnalyseStructure(graph)));
+  fmt::print("{}\n", json.dump(1));
 }
 
 // What a solved problem says of its solution, on one line.
@@ -177,9 +186,15 @@ int Run(const SolveCommand& command, const Console& console) {
 
   // From here on Ctrl-C ends the solve, and does not cut a file that is being written.
   const Interruptible interruptible;
-  ConfiguredSolution solved = About(command.file, [&] {
-    return SolveAsConfigured(&graph, has_guess, configuration, Watch(console, command.file));
-  });
+  ConfiguredSolution solved;
+  try {
+    solved = About(command.file, [&] {
+      return SolveAsConfigured(&graph, has_guess, configuration, Watch(console, command.file));
+    });
+  } catch (const graticule::Error& error) {
+    if (command.json && error.Kind() == ErrorKind::kIllPosed) PrintIllPosed(graph, error, command);
+    throw;
+  }
   Solution& solution = solved.solution;
   if (draws && !has_guess) before = graph.InitialValues();
   console.Progress("");

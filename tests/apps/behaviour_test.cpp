@@ -164,6 +164,26 @@ TEST_F(Solve, WritesTheBestSoFarOnCtrlC) {
   EXPECT_EQ(again["initial_cost"], report["final_cost"]);
 }
 
+TEST_F(Solve, SaysInJsonWhatIsIllPosed) {
+  const std::string two =
+      Write("two.g2o",
+            "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 0 0 0\nVERTEX_SE2 3 1 0 0\n"
+            "VERTEX_SE2 9 0 0 0\n"
+            "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 2 3 1 0 0 1 0 0 1 0 1\n");
+  const Outcome outcome = RunCommand({"solve", two, "--json", "-o", Path("out.g2o")});
+  EXPECT_EQ(outcome.exit_code, 5);
+  const Json said = JsonOf(outcome);
+  EXPECT_EQ(said["schema"], "graticule-ill-posed/1");
+  EXPECT_EQ(outcome.err, "graticule: " + said["error"].get<std::string>() + "\n");
+  ASSERT_EQ(said["pieces"].size(), 2u);
+  EXPECT_EQ(said["pieces"][1]["anchor"], "pose:2");
+  EXPECT_EQ(said["pieces"][1]["held_by"], "nothing");
+  EXPECT_EQ(said["isolated"], Json({"pose:9"}));
+  EXPECT_EQ(Files(), std::vector<std::string>{"two.g2o"});
+  EXPECT_EQ(said["pieces"], JsonOf(RunCommand({"inspect", two, "--json"}))["pieces"]);
+  EXPECT_EQ(RunCommand({"solve", two}).out, "");
+}
+
 TEST_F(Solve, GivesCovariancesOfTheKeysThatAreAskedFor) {
   const std::string square = Square();
   const Outcome outcome = RunCommand({"solve", square, "--marginals", "pose:1,pose:2",
