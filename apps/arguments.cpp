@@ -134,6 +134,55 @@ void AddCompare(CLI::App* app, Chosen* chosen) {
   AddReading(sub, &command->reading);
 }
 
+void AddMap(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<MapCommand>();
+  CLI::App* sub = AddCommand(
+      app, "map", "make the occupancy map of recorded missions",
+      "  graticule map intel.clf.gz -o out/\n"
+      "  graticule map killian.g2o.gz --method incremental naive cover-composite -o out/\n"
+      "  graticule map robot1.log robot2.log --datum 42.293,-83.711 --record -o out/",
+      command, chosen);
+  sub->add_option("LOGS", command->logs,
+                  "CARMEN logs, one a robot, or one .g2o with ROBOTLASER1 scans; each also .gz")
+      ->required();
+  sub->add_option("-o,--output", command->output, "the folder for map, graph, pictures and report")
+      ->required();
+  sub->add_option("--method", command->methods,
+                  "how the map is kept up to date; of several, the first is written and the others "
+                  "are compared: incremental, naive, naive-cover, cover-composite")
+      ->check(CLI::IsMember({"incremental", "naive", "naive-cover", "cover-composite"}))
+      ->capture_default_str();
+  sub->add_option("--every", command->every_s, "seconds of the log from update to update")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--resolution", command->resolution_m, "m, a cell's side")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  sub->add_option("--max-range", command->max_range_m, "m; beams count up to here")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--slice", command->slice, "nodes of a robot that are drawn anew together")
+      ->check(CLI::Range(1, 100000));
+  sub->add_flag("--no-cover", command->no_cover, "draw every node, not only those that add");
+  sub->add_option("--cover-news", command->cover_news,
+                  "a node is left out whose share of cells that are news is at most this")
+      ->check(CLI::Range(0.0, 1.0));
+  sub->add_option("--bias", command->bias,
+                  "votes for structure: above 0 walls stay, below 0 doorways clear")
+      ->check(CLI::Range(-100, 100))
+      ->capture_default_str();
+  sub->add_option("--deadline", command->deadline_ms, "ms for an update; 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_option("--datum", command->datum,
+                  "where on the Earth the map's origin is: LAT,LON or LAT,LON,HEIGHT; x is east");
+  sub->add_option("--truth", command->truth, "a true map (map_server YAML) to compare with");
+  sub->add_flag("--record", command->record, "keep the factor graph of every update (.fg)");
+  sub->add_flag("--skip-bad", command->skip_bad, "pass over bad lines of a log, and count them");
+  sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
+  AddReading(sub, &command->reading);
+}
+
 void AddConvert(CLI::App* app, Chosen* chosen) {
   auto command = std::make_shared<ConvertCommand>();
   CLI::App* sub = AddCommand(app, "convert", "rewrite a problem in another format",
@@ -273,6 +322,7 @@ int RunFromArguments(int argc, char** argv) {
       "  graticule compare *.g2o --configs default dogleg --report compare.html");
   AddSolve(&app, &chosen);
   AddCompare(&app, &chosen);
+  AddMap(&app, &chosen);
   AddConvert(&app, &chosen);
   AddInspect(&app, &chosen);
   AddCheck(&app, &chosen);

@@ -52,6 +52,18 @@ struct CompareCommand {
   bool json = false;
 };
 
+struct MapCommand {
+  std::vector<std::string> logs;
+  Reading reading;
+  std::string output;
+  std::vector<std::string> methods = {"incremental"};
+  double every_s = 10, resolution_m = 0.1, max_range_m = 25, deadline_ms = 0;
+  double cover_news = -1;   ///< -1: the default of CoverOptions
+  int slice = 0, bias = 0;  ///< slice 0: the default of LiveMapOptions
+  bool no_cover = false, record = false, json = false, skip_bad = false;
+  std::string datum, truth;
+};
+
 struct ConvertCommand {
   std::string input, output;
   Reading reading;
@@ -97,6 +109,7 @@ struct TypesCommand {
 /// stderr.  Throws Error.
 int Run(const SolveCommand& command, const Console& console);
 int Run(const CompareCommand& command, const Console& console);
+int Run(const MapCommand& command, const Console& console);
 int Run(const ConvertCommand& command, const Console& console);
 int Run(const InspectCommand& command, const Console& console);
 int Run(const CheckCommand& command, const Console& console);

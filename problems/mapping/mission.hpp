@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
+#include "graticule/io/g2o_laser.hpp"
 #include "graticule/io/laser_log.hpp"
 #include "graticule/solver/graph.hpp"
 
@@ -22,5 +24,9 @@ struct Mission {
 
   double TimeOf(const MissionNode& node) const { return log.scans[node.scan].time; }
 };
+
+/// The mission of a g2o file that has scans after its vertices: the graph as it was read, keys
+/// `pose:ID`.  Throws Error (input): a scan of a pose that the graph does not have.
+Mission MissionFromG2o(Graph graph, G2oLaser laser, const std::string& name);
 
 }  // namespace graticule

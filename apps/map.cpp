@@ -1,0 +1,270 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "graticule/io/file.hpp"
+#include "graticule/io/geography.hpp"
+#include "graticule/io/map_drawing.hpp"
+#include "graticule/io/map_report.hpp"
+#include "graticule/io/readable.hpp"
+#include "graticule/io/svg.hpp"
+#include "graticule/io/trajectory.hpp"
+#include "graticule/problems/mapping/georeference.hpp"
+#include "graticule/problems/mapping/map_error.hpp"
+#include "graticule/problems/mapping/map_mission.hpp"
+#include "graticule/solver/provenance.hpp"
+#include "mission_files.hpp"
+#include "problem.hpp"
+
+namespace graticule::apps {
+namespace {
+
+MapMethod MethodOf(const std::string& name) {
+  if (name == "naive") return MapMethod::kNaive;
+  if (name == "naive-cover") return MapMethod::kNaiveCover;
+  return name == "cover-composite" ? MapMethod::kCoverComposite : MapMethod::kIncremental;
+}
+
+LiveMapOptions OptionsOf(const MapCommand& command) {
+  LiveMapOptions options;
+  options.resolution = command.resolution_m;
+  options.ranges.max_range = command.max_range_m;
+  if (command.slice > 0) options.slice_size = static_cast<std::size_t>(command.slice);
+  options.cover.on = !command.no_cover;
+  if (command.cover_news >= 0) options.cover.news = command.cover_news;
+  options.votes.bias = command.bias;
+  options.threads = 2;
+  return options;
+}
+
+// The folder that everything is written to.
+class Folder {
+ public:
+  explicit Folder(const std::string& path) : path_(path) {
+    std::error_code error;
+    std::filesystem::create_directories(path_, error);
+    if (error || !std::filesystem::is_directory(path_))
+      throw Error(path + ": the folder cannot be made: " + error.message(), ErrorKind::kOther);
+    ExpectWritable(path_ / "map.yaml");
+  }
+  std::string Of(const std::string& name) const { return (path_ / name).string(); }
+  void Write(const std::string& name, std::string_view contents) { WriteFile(Of(name), contents); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// The graphs of the sequence; each is kept where that is asked for.
+std::vector<MissionStep> Replay(const MapCommand& command, const Mission& mission, Folder* folder,
+                                const Console& console) {
+  std::vector<MissionStep> steps;
+  MissionReplay replay(mission, command.every_s);
+  if (command.record) Folder(folder->Of("graphs"));
+  MissionStep step;
+  while (!Interruptible::WasAsked() && replay.Next(&step)) {
+    steps.push_back(step);
+    console.Progress(
+        fmt::format("graph {}: {} of {} nodes", steps.size(), step.nodes, mission.nodes.size()));
+    if (!command.record) continue;
+    Recording recording(mission.graph.Types());
+    recording.graph = replay.Problem();
+    recording.title = fmt::format("graph {} of a mission, at {} s", steps.size(), step.time);
+    recording.made_by = MadeBy("map");
+    WriteProblem(folder->Of(fmt::format("graphs/{:05}.fg", steps.size())), recording, {});
+  }
+  console.Progress("");
+  return steps;
+}
+
+MapRun RunOf(const std::string& method, const std::vector<MissionStep>& steps,
+             const MappedMission& mapped) {
+  MapRun run;
+  run.method = method;
+  for (std::size_t i = 0; i < mapped.updates.size(); ++i) {
+    const MapUpdate& update = mapped.updates[i];
+    MapUpdateRow row;
+    row.time = steps[i].time - steps.front().time;
+    row.seconds = update.seconds;
+    row.nodes = update.nodes;
+    row.cover = update.cover;
+    row.regenerated_nodes = update.regenerated_nodes;
+    row.left_over_slices = update.left_over.size();
+    row.dirty_tiles = update.change.dirty_tiles;
+    row.flipped_cells = update.change.flips.size();
+    run.updates.push_back(row);
+  }
+  return run;
+}
+
+MapDrawing DrawingOf(const Mission& mission, const MissionStep& last, OccupancyGrid grid) {
+  MapDrawing drawing;
+  drawing.grid = std::move(grid);
+  std::vector<std::size_t> node_of(mission.graph.VariableCount(), mission.nodes.size());
+  for (const std::string& robot : mission.log.robots) drawing.trajectories.push_back({robot, {}});
+  for (std::size_t i = 0; i < last.nodes; ++i) {
+    node_of[mission.nodes[i].variable] = i;
+    const LaserScan& scan = mission.log.scans[mission.nodes[i].scan];
+    drawing.trajectories[scan.robot].points.push_back(
+        {last.world_from_robot[i].x, last.world_from_robot[i].y});
+  }
+  for (FactorId id = 0; id < mission.graph.FactorCount(); ++id) {
+    const FactorView factor = mission.graph.FactorAt(id);
+    if (factor.variables.size() != 2 || factor.source != "loop") continue;
+    const std::size_t a = node_of[factor.variables[0]], b = node_of[factor.variables[1]];
+    if (std::max(a, b) >= last.nodes) continue;
+    const auto place = [&](std::size_t node) {
+      return MapDrawing::Point{last.world_from_robot[node].x, last.world_from_robot[node].y};
+    };
+    drawing.closures.emplace_back(place(a), place(b));
+  }
+  return drawing;
+}
+
+void WriteTrajectories(const Mission& mission, const MissionStep& last, const std::string& datum,
+                       Folder* folder) {
+  std::vector<std::vector<StampedPose>> poses(mission.log.robots.size());
+  std::vector<GeographicLine> lines;
+  for (const std::string& robot : mission.log.robots) lines.push_back({robot, {}});
+  for (std::size_t i = 0; i < last.nodes; ++i) {
+    const LaserScan& scan = mission.log.scans[mission.nodes[i].scan];
+    const PlanarPose& pose = last.world_from_robot[i];
+    StampedPose stamped;
+    stamped.stamp_s = scan.time;
+    stamped.world_from_body = {
+        pose.x, pose.y, 0, 0, 0, std::sin(pose.yaw / 2), std::cos(pose.yaw / 2)};
+    poses[scan.robot].push_back(stamped);
+    if (!datum.empty())
+      lines[scan.robot].points.push_back(GeodeticOf(ParseDatum(datum), pose.x, pose.y));
+  }
+  for (std::size_t robot = 0; robot < poses.size(); ++robot)
+    folder->Write(mission.log.robots[robot] + ".tum", FormatTum(poses[robot]));
+  if (datum.empty()) return;
+  folder->Write("trajectories.kml", FormatKml(lines, "graticule map"));
+  folder->Write("trajectories.geojson", FormatGeoJson(lines));
+}
+
+void WriteGraph(const Mission& mission, const MissionStep& last, Folder* folder) {
+  Recording recording(mission.graph.Types());
+  recording.graph = mission.graph;
+  Values values = mission.graph.InitialValues();
+  for (std::size_t i = 0; i < last.nodes; ++i) {
+    double* value = values.Mutable(mission.nodes[i].variable);
+    value[0] = last.world_from_robot[i].x;
+    value[1] = last.world_from_robot[i].y;
+    value[2] = last.world_from_robot[i].yaw;
+  }
+  recording.graph.SetValues(values);
+  recording.title = "the pose graph of a map";
+  recording.made_by = MadeBy("map");
+  WriteProblem(folder->Of("graph.fg"), recording, {});
+  WriteProblem(folder->Of("graph.g2o"), recording, {});
+}
+
+void PrintSummary(const MapReport& report) {
+  fmt::print("{}\n", report.title);
+  for (const auto& [name, value] : report.facts) fmt::print("  {:<13} {}\n", name, value);
+  for (const MapRun& run : report.runs) {
+    const MapRunTimes times = TimesOf(run);
+    fmt::print(
+        "  {:<15} {} updates: {} in all, mean {}, 99 % {}, worst {}; structure IoU {:.4f}, known "
+        "recall {:.4f}\n",
+        run.method, run.updates.size(), Seconds(times.total), Seconds(times.mean),
+        Seconds(times.p99), Seconds(times.worst), run.structure_iou, run.known_recall);
+  }
+  for (const std::string& warning : report.warnings) fmt::print("  warning       {}\n", warning);
+}
+
+}  // namespace
+
+int Run(const MapCommand& command, const Console& console) {
+  if (!command.datum.empty()) ParseDatum(command.datum);
+  const Registry types = LoadTypes(command.reading);
+  Folder folder(command.output);
+  std::optional<OccupancyGrid> truth;
+  if (!command.truth.empty()) truth = ReadOccupancy(command.truth);
+  const Interruptible interruptible;
+  MapReport report;
+  const Mission mission = LoadMission(command, types, &report, console);
+  const std::vector<MissionStep> steps = Replay(command, mission, &folder, console);
+  if (steps.empty()) throw Error("stopped before the first graph", ErrorKind::kOther);
+  const MissionStep& last = steps.back();
+
+  LiveMapOptions options = OptionsOf(command);
+  const OccupancyGrid all = MapOfAllNodes(mission, last, options)->Grid();
+  std::shared_ptr<const OccupancyMap> map;
+  for (const std::string& method : command.methods) {
+    options.method = MethodOf(method);
+    const bool incremental = options.method == MapMethod::kIncremental;
+    const double deadline = command.deadline_ms > 0 && incremental
+                                ? 1e-3 * command.deadline_ms
+                                : std::numeric_limits<double>::infinity();
+    const MappedMission mapped = MapMission(mission, steps, options, deadline, [&](std::size_t i) {
+      console.Progress(fmt::format("{}: update {} of {}", method, i + 1, steps.size()));
+      return !Interruptible::WasAsked();
+    });
+    MapRun run = RunOf(method, steps, mapped);
+    const MapAgreement agreement = CompareMaps(all, mapped.map->Grid());
+    run.structure_iou = agreement.Iou(Occupancy::kStructure);
+    run.known_recall = agreement.KnownRecall();
+    run.known_changed = agreement.KnownChanged();
+    report.runs.push_back(std::move(run));
+    if (!map) map = mapped.map;
+  }
+  console.Progress("");
+
+  const OccupancyGrid grid = map->Grid();
+  const auto count = [&](Occupancy what) {
+    return static_cast<std::size_t>(std::count(grid.cells.begin(), grid.cells.end(), what));
+  };
+  const double area = command.resolution_m * command.resolution_m;
+  report.facts.emplace_back(
+      "map",
+      fmt::format(
+          "{:.1f} x {:.1f} m, {} free and {} structure cells ({:.0f} m² known)",
+          static_cast<double>(grid.width) * grid.resolution,
+          static_cast<double>(grid.height) * grid.resolution,
+          ReadableCount(count(Occupancy::kFree)), ReadableCount(count(Occupancy::kStructure)),
+          area * static_cast<double>(count(Occupancy::kFree) + count(Occupancy::kStructure))));
+  if (truth) {
+    const MapAgreement agreement = CompareMaps(*truth, grid);
+    report.facts.emplace_back(
+        "truth",
+        fmt::format("structure precision {:.4f}, recall {:.4f}, IoU {:.4f}; free "
+                    "precision {:.4f}, recall {:.4f}, IoU {:.4f}",
+                    agreement.Precision(Occupancy::kStructure),
+                    agreement.Recall(Occupancy::kStructure), agreement.Iou(Occupancy::kStructure),
+                    agreement.Precision(Occupancy::kFree), agreement.Recall(Occupancy::kFree),
+                    agreement.Iou(Occupancy::kFree)));
+  }
+
+  // The map first: a full disk for the report must not cost it.
+  WriteOccupancy(grid, folder.Of("map"));
+  WriteGraph(mission, last, &folder);
+  folder.Write("map.png", FormatOccupancyPng(grid));
+  WriteTrajectories(mission, last, command.datum, &folder);
+  if (!command.datum.empty()) {
+    const std::string world = FormatWorldFile(grid);
+    for (const char* name : {"map.pgw", "map.wld"}) folder.Write(name, world);
+    folder.Write("map.prj", FormatProjection(ParseDatum(command.datum)));
+  }
+  MapDrawing drawing = DrawingOf(mission, last, grid);
+  drawing.title = report.title;
+  drawing.subtitle = report.facts.back().second;
+  const std::string svg = DrawMap(drawing);
+  folder.Write("drawing.svg", svg);
+  folder.Write("drawing.png", PngFromSvg(svg, 1200));
+  folder.Write("report.html", MapReportHtml(report, svg));
+  const std::string json = MapReportJson(report);
+  folder.Write("report.json", json);
+  if (command.json)
+    fmt::print("{}", json);
+  else
+    PrintSummary(report);
+  return Interruptible::WasAsked() ? kNotConverged : kDone;
+}
+
+}  // namespace graticule::apps
