@@ -48,7 +48,7 @@ std::string UpdateCharts(const MapReport& report) {
   for (CurveChart* chart : {&each, &cumulative, &nodes}) chart->x_label = "time of the log [s]";
   each.y_label = cumulative.y_label = "time [s]";
   nodes.y_label = "nodes";
-  nodes.y_scale = AxisScale::kLinear;
+  nodes.y_scale = cumulative.y_scale = AxisScale::kLinear;
   for (const MapRun& run : report.runs) {
     Curve one{run.method, {}}, sum{run.method, {}};
     double total = 0;
@@ -130,9 +130,10 @@ std::vector<std::size_t> CountInBands(const MapRun& run) {
 }
 
 std::string MapReportHtml(const MapReport& report, const std::string& map_svg) {
-  std::vector<html::Card> cards;
-  for (const auto& [name, value] : report.facts) cards.push_back({name, value, ""});
-  std::string body = html::Cards(cards) + html::Section("Map", html::Figure(map_svg));
+  std::vector<std::vector<html::Cell>> facts;
+  for (const auto& [name, value] : report.facts) facts.push_back({{name, "name"}, {value}});
+  std::string body =
+      html::Table({{"", false}, {"", false}}, facts) + html::Section("Map", html::Figure(map_svg));
   if (!report.runs.empty())
     body += html::Section("Updates", MethodTable(report) + UpdateCharts(report));
   if (!report.warnings.empty()) body += html::Section("Warnings", html::List(report.warnings));

@@ -226,6 +226,8 @@ BlockSystem::BlockSystem(std::vector<int> sizes, const Links& links,
 
 BlockSystem::~BlockSystem() = default;
 
+const char* BlockSystem::Factoriser() const { return cholesky_->blocks ? "blocks" : "cholmod"; }
+
 void BlockSystem::Clear() { std::fill(values_.begin(), values_.end(), 0.0); }
 
 void BlockSystem::CopyDiagonal(std::vector<double>* diagonal) const {

@@ -9,7 +9,7 @@
 namespace graticule {
 
 /// Symmetric linear systems of blocks, with one pattern and changing numbers: ordered and analysed
-/// once, on the pattern of the blocks, and factorised by CHOLMOD as often as it is asked.
+/// once, on the pattern of the blocks, and factorised as often as it is asked.
 ///
 /// A right-hand side holds the nodes one after the other, as they are numbered.
 class BlockSystem {
@@ -27,6 +27,9 @@ class BlockSystem {
   ~BlockSystem();
   BlockSystem(const BlockSystem&) = delete;
   BlockSystem& operator=(const BlockSystem&) = delete;
+
+  /// Who factorises: "blocks" (thin systems of equal nodes) or "cholmod".
+  const char* Factoriser() const;
 
   /// Numbers of all nodes together.
   int Size() const { return static_cast<int>(begins_.size()) - 1; }

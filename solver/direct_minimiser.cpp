@@ -254,7 +254,8 @@ bool DirectMinimiser::Machine::Record(const Observer& watch) {
 
 void DirectMinimiser::Machine::Run(const Observer& watch, Report* report) {
   report_ = report;
-  report->linear_solver = "block_normal_cholesky (cholmod)";
+  report->linear_solver =
+      std::string("block_normal_cholesky (") + equations_.System().Factoriser() + ")";
   report->parameters = static_cast<std::size_t>(equations_.Size());
   report->initial_objective = report->final_objective = std::numeric_limits<double>::quiet_NaN();
   radius_ = IsUndamped() ? 1e32 : options_.initial_trust_region_radius;

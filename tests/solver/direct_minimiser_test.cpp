@@ -29,7 +29,7 @@ void ExpectAgreement(const Graph& graph, SolveOptions (*to)(Engine) = To) {
   const Solution ceres = Solve(graph, to(Engine::kCeres));
   const Solution direct = Solve(graph, to(Engine::kDirect));
   EXPECT_EQ(direct.report.termination, Termination::kConverged) << direct.report.message;
-  EXPECT_EQ(direct.report.linear_solver, "block_normal_cholesky (cholmod)");
+  EXPECT_EQ(direct.report.linear_solver.find("block_normal_cholesky ("), 0u);
   EXPECT_NEAR(direct.report.final_objective, ceres.report.final_objective,
               1e-9 * ceres.report.final_objective + 1e-20);
   EXPECT_EQ(direct.report.parameters, ceres.report.parameters);
@@ -127,7 +127,8 @@ TEST(DirectMinimiser, IsRefusedWhatItDoesNotDo) {
               &options);
     ExpectError(ErrorKind::kUsage, {"engine direct"}, [&] { Solve(graph, options); });
     options.engine = Engine::kAutomatic;
-    EXPECT_NE(Solve(graph, options).report.linear_solver, "block_normal_cholesky (cholmod)");
+    EXPECT_EQ(Solve(graph, options).report.linear_solver.find("block_normal_cholesky"),
+              std::string::npos);
   }
 }
 
