@@ -228,9 +228,11 @@ TEST_F(Start, IncrementalLeadsToTheBestKnownCost) {
 class SecondLook : public RecordedTest {};
 
 TEST_F(SecondLook, LeadsVictoriaParkToItsOptimum) {
-  const Outcome solved = RunCommand(
-      {"solve", Recorded("victoria_park.g2o"), "--json", "--report", Path("report.html")});
+  const Outcome solved = RunCommand({"solve", Recorded("victoria_park.g2o"), "--certify", "--json",
+                                     "--report", Path("report.html")});
   const auto report = JsonOf(solved);
+  EXPECT_EQ(report["certificate"]["verdict"], "optimal");
+  EXPECT_TRUE(report["certificate"]["attempts"].empty());
   EXPECT_NEAR(report["final_cost"], 3092.06013, 1e-4);
   const auto& look = report["second_look"];
   EXPECT_EQ(look["first"]["start"], "chordal");
