@@ -13,7 +13,9 @@ Mission FromG2o(const MapCommand& command, const Registry& types, const Console&
   const std::string& file = command.logs.front();
   Reading reading = command.reading;
   reading.skip_unknown = true;  // the scans, which are read by another
-  Recording recording = Load(file, reading, types, console);
+  Console silent = console;
+  silent.quiet = true;  // of what was skipped
+  Recording recording = Load(file, reading, types, silent);
   return MissionFromG2o(std::move(recording.graph), ParseG2oLaser(ReadFile(file), file), file);
 }
 
