@@ -36,7 +36,9 @@ int Run(const TypesCommand& command, const Console&) {
   for (const VariableType* type : types.VariableTypes())
     fmt::print("  {:<30} {}\n  {:<30} {} [{}]\n", type->name, ToString(type->fields), "",
                type->summary, type->origin);
-  fmt::print("factor types: blocks | measurement | residual where it differs\n");
+  fmt::print(
+      "factor types (and gaussian/1, which marginalising makes): blocks | measurement | residual "
+      "where it differs\n");
   for (const FactorType* type : types.FactorTypes())
     fmt::print("  {:<30} {}\n  {:<30} {} [{}]\n", type->name, ToString(type->schema), "",
                type->summary, type->origin);

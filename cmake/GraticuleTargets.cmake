@@ -5,7 +5,7 @@
 set(GRATICULE_VERSION_INCLUDE "${PROJECT_BINARY_DIR}/include/version")
 
 # Headers of solver/ that are not installed: they show how it is done, and need CHOLMOD, glog or Ceres.
-set(GRATICULE_INTERNAL_HEADERS bayes_tree block_cholesky ceres_bridge direct_minimiser evaluation front guarded linearise normal_equations parallel_evaluation sparse_inverse)
+set(GRATICULE_INTERNAL_HEADERS bayes_tree block_cholesky ceres_bridge direct_minimiser evaluation front gaussian guarded linearise marginalise normal_equations online_machine parallel_evaluation snapshots sparse_inverse)
 
 add_library(graticule_flags INTERFACE)
 target_compile_options(graticule_flags INTERFACE

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "graticule/solver/evaluation.hpp"
 #include "graticule/solver/front.hpp"
 #include "graticule/solver/linearise.hpp"
+#include "graticule/solver/marginalise.hpp"
 
 namespace graticule {
 
@@ -16,10 +18,21 @@ namespace graticule {
 /// What is new, or is linearised anew, touches the cliques of its variables and their ancestors up
 /// to the root: these alone are ordered and eliminated again.  The solution is then followed down
 /// from the root only as far as it changes.
+///
+/// A Gaussian term hangs in the tree like a clique that eliminates nothing and tells its parent the
+/// term's equations: its squares are added up once, not at every elimination.
 class BayesTree {
  public:
-  /// The evaluation, and its graph, may grow between updates.
-  explicit BayesTree(const Evaluation& evaluation) : evaluation_(evaluation) {}
+  /// The evaluation, its graph and the terms may change between updates.
+  BayesTree(const Evaluation& evaluation, const GaussianTerms& terms)
+      : evaluation_(evaluation), terms_(terms) {}
+
+  /// What is otherwise than at the last update, beyond what the graph and the terms have more.
+  struct Changes {
+    std::vector<VariableId> moved;    ///< their factors are linearised anew
+    std::vector<VariableId> held;     ///< are constants from now on
+    std::vector<FactorId> withdrawn;  ///< count no more
+  };
 
   /// What an update did.
   struct Work {
@@ -29,12 +42,12 @@ class BayesTree {
     std::vector<VariableId> loose;  ///< that nothing determines: held where they are, weakly
   };
 
-  /// Takes in what the graph has beyond the last update, linearises factors of `moved` anew, and
-  /// solves.  `points`, laid out as the graph's values, are what steps start from.  A fixed
-  /// variable, and those in `held`, are constants; they must be so from their first update on.
-  /// Throws Error (kOther) where a factor cannot be evaluated; the tree is then to be cleared.
-  Work Update(const double* points, const std::vector<VariableId>& moved,
-              const std::vector<char>& held);
+  /// Takes in what the graph has beyond the last update, terms that came and went, and `changes`;
+  /// and solves.  `points`, laid out as the graph's values, are what steps start from.  A fixed
+  /// variable, and those in `held`, are constants; factors in `withdrawn` do not count.  Throws
+  /// Error (kOther) where a factor cannot be evaluated; the tree is then to be cleared.
+  Work Update(const double* points, const Changes& changes, const std::vector<char>& held,
+              const std::vector<char>& withdrawn);
 
   /// Forgets everything: the next update begins from nothing.
   void Clear();
@@ -44,6 +57,9 @@ class BayesTree {
   /// Variables whose step changed in the last update.
   const std::vector<VariableId>& Changed() const { return changed_; }
   bool IsHeld(VariableId id) const { return is_held_[id]; }
+  const std::vector<char>& Held() const { return is_held_; }
+  /// The factors of a variable that have been taken in and count.
+  const std::vector<FactorId>& FactorsOf(VariableId id) const { return factors_of_[id]; }
   /// Sets a step to zero: its variable's point has moved along it.
   void ResetStep(VariableId id);
   /// Steps that change by less, in any component, are not followed further down.
@@ -75,11 +91,23 @@ class BayesTree {
     std::size_t recent = 0;  // of the variables, the last so many are to be eliminated last
   };
 
+  // What an update touches.
+  struct Touched {
+    std::vector<int> cliques;
+    std::vector<FactorId> stale;  // to be linearised
+    std::vector<int> terms;       // to be hung in
+  };
+
   int TangentSize(VariableId id) const { return step_begin_[id + 1] - step_begin_[id]; }
-  void Grow(const std::vector<char>& held);
+  void Grow(const std::vector<char>& held, const std::vector<char>& withdrawn);
   void Mark(VariableId variable, std::vector<int>* marked);
   void MarkFrom(int clique, std::vector<int>* marked);
+  void Withdraw(FactorId id, Touched* touched);
+  void Hold(VariableId id, Touched* touched);
+  void FollowTerms(const Changes& changes, Touched* touched);
+  Touched Follow(const Changes& changes);
   Part TakeApart(const std::vector<int>& marked, FactorId first_new, VariableId first_variable);
+  void HangIn(int term, const double* points, Part* part);
   void Order(Part* part);
   std::vector<int> MakeCliques(const Part& part);
   void Linearise(FactorId id, const double* points);
@@ -90,9 +118,11 @@ class BayesTree {
   int NewClique();
 
   const Evaluation& evaluation_;
+  const GaussianTerms& terms_;
   FactorId factors_ = 0;      // taken in
   VariableId variables_ = 0;  // taken in
   std::vector<char> is_held_;
+  std::vector<char> is_withdrawn_;  // by factor
   std::vector<int> step_begin_{0};  // by variable
   std::vector<double> step_;
   std::vector<int> clique_of_;                     // by variable, where it is eliminated
@@ -102,6 +132,7 @@ class BayesTree {
   std::vector<double> linear_;                     // residual and packed Jacobians, weighted
   std::vector<Clique> cliques_;
   std::vector<int> free_cliques_;
+  std::map<int, int> clique_of_term_;  // kNone where all its variables are constants
 
   double propagation_ = 1e-3;
   std::vector<VariableId> changed_;

@@ -170,7 +170,8 @@ Elimination FindElimination(const Graph& graph, const std::vector<char>& is_held
     for (const Block& block : type.schema.blocks) ++count[block.variable_type];
     if (type.schema.repeats_last_block) ++count[type.schema.blocks.back().variable_type];
     for (std::size_t t = 0; t < types; ++t)
-      if (count[graph.UsedVariableTypes()[t].name] > 1) independent[t] = false;
+      if (count[graph.UsedVariableTypes()[t].name] > 1 || count[kAnyVariable] > 0)
+        independent[t] = false;
   }
   Elimination best;
   for (std::size_t t = 0; t < types; ++t)

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/gaussian.hpp"
 #include "graticule/solver/guarded.hpp"
 #include "graticule/solver/plugin.hpp"
 
@@ -87,9 +88,8 @@ void Evaluation::Grow() {
   const std::size_t known = instances_.size();
   RefuseUnknownTypes(graph, static_cast<FactorId>(known), variables_);
   instances_.resize(graph.FactorCount());
-  std::vector<bool> whitened(graph.NoiseCount(), false);
   const std::size_t known_noises = whiteners_.size();
-  std::fill_n(whitened.begin(), known_noises, true);
+  std::vector<bool> whitened(graph.NoiseCount() - known_noises, false);
   whiteners_.resize(graph.NoiseCount());
   std::string why;
   for (auto id = static_cast<FactorId>(known); id < graph.FactorCount(); ++id) {
@@ -104,20 +104,23 @@ void Evaluation::Grow() {
         CreateFactor(*factor.type->table, measurement,
                      static_cast<std::int32_t>(factor.variables.size()), &residual_size, &why);
     instance.noise = factor.noise_id;
+    instance.is_gaussian = IsGaussian(instance.table);
     instance.is_plain = factor.type->HasTangentJacobians() ||
                         std::none_of(factor.variables.begin(), factor.variables.end(),
                                      [&](VariableId v) { return graph.TypeOf(v).manifold; });
-    const bool repeated = HasRepeatedKey(factor);
-    if (!instance.self || residual_size != graph.ResidualSize(id) || repeated) {
+    if (instance.is_gaussian && instance.self)
+      why = static_cast<const Gaussian*>(instance.self)->Misfit(graph, factor.variables);
+    const bool repeated = HasRepeatedKey(factor), misfits = instance.is_gaussian && !why.empty();
+    if (!instance.self || residual_size != graph.ResidualSize(id) || repeated || misfits) {
       if (repeated) why = "the same key twice";
       if (why.empty()) why = "it changed its number of residuals";
       Destroy(known);
       whiteners_.resize(known_noises);
       throw Error(Describe(graph, id) + ": " + why);
     }
-    if (!whitened[factor.noise_id]) {
+    if (factor.noise_id >= known_noises && !whitened[factor.noise_id - known_noises]) {
       whiteners_[factor.noise_id] = Whitener(factor.noise, residual_size);
-      whitened[factor.noise_id] = true;
+      whitened[factor.noise_id - known_noises] = true;
     }
   }
   variables_ = static_cast<VariableId>(graph.VariableCount());
@@ -161,6 +164,30 @@ bool Evaluation::Raw(FactorId id, const double* const* blocks, double* residual,
   return Evaluate(id, blocks, residual, jacobians, nullptr, false);
 }
 
+bool Evaluation::EvaluateGaussian(FactorId id, const double* const* blocks, double* residual,
+                                  double** jacobians, const int* strides, bool whiten) const {
+  const Instance& instance = instances_[id];
+  const FactorView factor = graph_.FactorAt(id);
+  const std::size_t count = factor.variables.size();
+  const int rows = graph_.ResidualSize(id);
+  Scratch<int, 64> packed(count);
+  for (std::size_t i = 0; i < count; ++i)
+    packed[i] = strides ? strides[i] : graph_.TypeOf(factor.variables[i]).TangentSize();
+  static_cast<const Gaussian*>(instance.self)
+      ->Evaluate(graph_, factor.variables, blocks, residual, jacobians, packed.data());
+  if (!AllFinite(residual, rows)) return Fail(id, "returned a residual that is not finite");
+  const Whitener& whitener = whiteners_[instance.noise];
+  if (whiten) whitener.Apply(residual, rows, 1, 1);
+  for (std::size_t i = 0; jacobians && i < count; ++i) {
+    if (!jacobians[i]) continue;
+    const int size = graph_.TypeOf(factor.variables[i]).TangentSize();
+    if (whiten) whitener.Apply(jacobians[i], rows, size, packed[i]);
+    for (int r = 0; r < rows; ++r)
+      std::fill(jacobians[i] + r * packed[i] + size, jacobians[i] + (r + 1) * packed[i], 0.0);
+  }
+  return true;
+}
+
 bool Evaluation::EvaluatePlain(FactorId id, const double* const* blocks, double* residual,
                                double** jacobians, bool whiten) const {
   const Instance& instance = instances_[id];
@@ -187,6 +214,8 @@ bool Evaluation::EvaluatePlain(FactorId id, const double* const* blocks, double*
 bool Evaluation::Evaluate(FactorId id, const double* const* blocks, double* residual,
                           double** jacobians, const int* strides, bool whiten) const try {
   const Instance& instance = instances_[id];
+  if (instance.is_gaussian)
+    return EvaluateGaussian(id, blocks, residual, jacobians, strides, whiten);
   if (!jacobians || (instance.is_plain && !strides))
     return EvaluatePlain(id, blocks, residual, jacobians, whiten);
   const FactorView factor = graph_.FactorAt(id);

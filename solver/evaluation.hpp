@@ -55,7 +55,10 @@ class Evaluation {
     void* self = nullptr;
     std::uint32_t noise = 0;
     bool is_plain = false;  // its Jacobians are those of the tangent, as it writes them
+    bool is_gaussian = false;
   };
+  bool EvaluateGaussian(FactorId id, const double* const* blocks, double* residual,
+                        double** jacobians, const int* strides, bool whiten) const;
   bool EvaluatePlain(FactorId id, const double* const* blocks, double* residual, double** jacobians,
                      bool whiten) const;
   bool Evaluate(FactorId id, const double* const* blocks, double* residual, double** jacobians,

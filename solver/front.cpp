@@ -82,6 +82,34 @@ void Front::CopyRemainder(std::vector<double>* matrix, std::vector<double>* rhs)
   rhs->assign(rhs_.begin() + columns_, rhs_.end());
 }
 
+void Front::Square(const double* j, const double* r, int rows, int columns,
+                   std::vector<double>* matrix, std::vector<double>* rhs) {
+  const auto n = static_cast<std::size_t>(columns);
+  matrix->assign(n * n, 0.0);
+  rhs->assign(n, 0.0);
+  const double one = 1, minus_one = -1;
+  const int one_step = 1;
+  // By columns, J is its transpose.  A few rows at a time, from the first column that they have:
+  // of a triangle a third of the products are left.
+  constexpr int kPanel = 32;
+  for (int row = 0; row < rows; row += kPanel) {
+    const int count = std::min(kPanel, rows - row);
+    const double* panel = j + row * columns;
+    int begin = columns;
+    for (int k = 0; k < count; ++k) {
+      int column = 0;
+      while (column < begin && panel[k * columns + column] == 0) ++column;
+      begin = column;
+    }
+    const int width = columns - begin;
+    if (width == 0) continue;
+    dsyrk_("L", "N", &width, &count, &one, panel + begin, &columns, &one,
+           matrix->data() + begin * columns + begin, &columns);
+    dgemv_("N", &width, &count, &minus_one, panel + begin, &columns, r + row, &one_step, &one,
+           rhs->data() + begin, &one_step);
+  }
+}
+
 void Front::BackSubstitute(const double* l, const double* y, int rows, int columns, const double* s,
                            double* x) {
   std::copy(y, y + columns, x);

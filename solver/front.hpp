@@ -34,6 +34,11 @@ class Front {
   static void BackSubstitute(const double* l, const double* y, int rows, int columns,
                              const double* s, double* x);
 
+  /// What CopyRemainder would give of equations J x + r that nothing is eliminated from: J'J and
+  /// -J'r.  J is rows x columns, row-major.
+  static void Square(const double* j, const double* r, int rows, int columns,
+                     std::vector<double>* matrix, std::vector<double>* rhs);
+
  private:
   int rows_ = 0, columns_ = 0;
   std::vector<double> matrix_, rhs_, diagonal_;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxTypes = std::numeric_limits<Graph::TypeId>::max();
 constexpr std::size_t kMaxCount = Layout::kNone;
+constexpr Graph::TypeId kAnyType = kMaxTypes;  // beyond all that are given out
 
 bool AllFinite(Span<const double> values) {
   for (const double value : values)
@@ -122,7 +123,8 @@ Graph::TypeId Graph::FactorTypeId(std::string_view name) {
   if (index >= kMaxTypes) throw Error("more than 65535 factor types");
   std::vector<TypeId> blocks;
   for (const Block& block : type->schema.blocks)
-    blocks.push_back(VariableTypeId(block.variable_type));
+    blocks.push_back(block.variable_type == kAnyVariable ? kAnyType
+                                                         : VariableTypeId(block.variable_type));
   factor_types_.push_back(std::move(*type));
   block_types_.push_back(std::move(blocks));
   last_noise_.push_back(Layout::kNone);
@@ -290,7 +292,7 @@ FactorId Graph::Add(TypeId type, Span<const VariableId> variables, Span<const do
   for (std::size_t i = 0; i < variables.size(); ++i) {
     if (variables[i] >= VariableCount()) RefuseFactor(type, variables, "unknown variable");
     const TypeId expected = blocks[std::min(i, blocks.size() - 1)];
-    if (variable_type_[variables[i]] != expected)
+    if (expected != kAnyType && variable_type_[variables[i]] != expected)
       RefuseFactor(type, variables,
                    "expected " + variable_types_[expected].name + " at " +
                        KeyOf(variables[i]).ToString() + ", which is " + TypeOf(variables[i]).name);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +18,10 @@ struct OnlineOptions {
   int relinearise_every = 10;
   /// Changes smaller than this, in every component, are not followed to variables further off.
   double propagate_above = 1e-4;
+  /// Fixed lag: of each family named here so many stay, those added last; the others are
+  /// marginalised (as by Online::Marginalise) at the next update that brings no factor of theirs.
+  /// `{{"pose", 100}}` keeps 100 poses, and all landmarks.  A number below 1 counts as 1.
+  std::map<std::string, std::size_t> lag;
   /// How UpdateExactly solves.
   SolveOptions solve;
 };
@@ -23,6 +29,7 @@ struct OnlineOptions {
 /// What an update did.
 struct OnlineReport {
   std::size_t new_variables = 0, new_factors = 0;
+  std::size_t marginalised = 0;  ///< variables that left by OnlineOptions::lag
   std::size_t eliminated = 0;    ///< variables eliminated anew
   std::size_t relinearised = 0;  ///< variables linearised anew
   std::size_t changed = 0;       ///< variables whose value was computed anew
@@ -47,34 +54,61 @@ class Online {
   Online& operator=(const Online&) = delete;
 
   /// As Graph::Add.  The value should be a guess made from Latest(): from there the first step is
-  /// small.
+  /// small.  Ids count up from 0 and stay what they are, whatever leaves or is removed.
   VariableId Add(const Key& key, std::string_view type, const std::vector<double>& value,
                  bool fixed = false);
+  /// As Graph::Add.  Throws Error (kInput) also where a variable of the factor was marginalised.
   FactorId Add(const Factor& factor);
 
   /// Takes in what was added since the last update, and publishes new values.
   /// Throws Error (kOther) where a factor cannot be evaluated: what was published stays, and the
-  /// next update begins from there.
+  /// next update begins from there (without that factor, once it is removed).
   OnlineReport Update();
-  /// The same, and then on to the minimum, as Solve finds it from here.
+  /// The same, and then on to the minimum of Problem(), as Solve finds it from here.  Throws Error
+  /// as Update and Solve do, and kOther where Solve fails.
   OnlineReport UpdateExactly();
 
   /// Holds variables where they are from now on: they cost nothing any more, and neither do factors
-  /// that touch none but such (thesis ch. 6, "freeze parts of the map").  Throws Error: unknown
-  /// key.
+  /// that touch none but such (thesis ch. 6, "freeze parts of the map").  Throws Error (kInput)
+  /// where a key is unknown, or was marginalised; then none is frozen.
   void Freeze(const std::vector<Key>& keys);
 
-  /// The values of the last update.  Thread-safe.  Before the first: null.
+  /// Takes variables out of the problem.  What their factors said of the others stays, as Gaussians
+  /// over their neighbours: linearised once, where the variables are now, losses at their weights
+  /// there.  Their last values stay in Latest(); no factor can reach them any more.  Where nothing
+  /// absolute has said where the graph is, the variable added first is fixed from now on.
+  ///
+  /// Throws Error; then nothing has left.  kInput: a key unknown, marginalised already, or with
+  /// something new (itself, a factor of its) that no update has taken in; or the last update
+  /// failed.  kOther: a factor cannot be evaluated.
+  void Marginalise(const std::vector<Key>& keys);
+
+  /// Whether a variable was marginalised.  Throws Error (kInput): unknown key.
+  bool HasLeft(const Key& key) const;
+
+  /// Takes a factor back, from the next update on: a loop closure that proved false.  Throws Error
+  /// (kInput) where there is no such factor, it was removed already, or one of its variables was
+  /// marginalised, so that what it said can no longer be told apart.
+  void Remove(FactorId id);
+
+  /// The values of the last update, those of marginalised variables as they left.  Thread-safe.
+  /// Before the first update: null.
   std::shared_ptr<const Values> Latest() const;
 
   /// The marginal covariance of a variable, in its tangent, row by row, as of the last update and
-  /// where factors were last linearised.  Zero where it is held.  Throws Error: unknown key, or one
-  /// added since the last update.
+  /// where factors were last linearised.  Zero where it is held.  Throws Error (kInput): unknown
+  /// key, one added since the last update, or one that was marginalised.
   std::vector<double> Covariance(const Key& key) const;
 
-  /// The whole problem, to be written or solved by others.  Its values are those of the last
-  /// update.
+  /// The problem as it stands, to be written or solved by others, at the values of the last update:
+  /// without what was removed, and with `gaussian/1` factors (source "marginal") in place of what
+  /// was marginalised.  Positions are not those of Add once something has gone.
   Graph Problem() const;
+
+  /// All that was added and not removed, marginalised variables and their factors as well, at the
+  /// values of the last update.  What was frozen, or holds the graph in place of something absolute
+  /// since Marginalise, is fixed.
+  Graph Recorded() const;
 
  private:
   struct Machine;

@@ -1,6 +1,7 @@
 #include "graticule/solver/registry.hpp"
 
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/gaussian.hpp"
 
 namespace graticule {
 namespace {
@@ -25,7 +26,7 @@ std::vector<const Type*> List(const std::map<std::string, Type, std::less<>>& ty
 
 void Registry::Add(VariableType type) {
   VariableType vector;
-  if (MakeVectorType(type.name, &vector))
+  if (MakeVectorType(type.name, &vector) || type.name == kAnyVariable)
     throw Error(
         "variable type " + type.name + " from " + type.origin + " is already taken, by built-in",
         ErrorKind::kMissingType);
@@ -33,6 +34,10 @@ void Registry::Add(VariableType type) {
 }
 
 void Registry::Add(FactorType type) {
+  if (type.name == kGaussian)
+    throw Error(
+        "factor type " + type.name + " from " + type.origin + " is already taken, by built-in",
+        ErrorKind::kMissingType);
   for (const Block& block : type.schema.blocks)
     if (!FindVariableType(block.variable_type))
       throw Error("factor type " + type.name + " from " + type.origin + " needs variable type " +
@@ -50,6 +55,7 @@ std::optional<VariableType> Registry::FindVariableType(std::string_view name) co
 }
 
 std::optional<FactorType> Registry::FindFactorType(std::string_view name) const {
+  if (name == kGaussian) return GaussianType();
   const auto it = factors_.find(name);
   return it == factors_.end() ? std::nullopt : std::optional(it->second);
 }

@@ -21,7 +21,8 @@ class Registry {
   void Add(VariableType type);
   void Add(FactorType type);
 
-  /// The type of that name, if there is one.  `vectorN/1` needs no adding.
+  /// The type of that name, if there is one.  `vectorN/1`, and the factor
+  /// `gaussian/1` (what variables that left said about those that stay), need no adding.
   std::optional<VariableType> FindVariableType(std::string_view name) const;
   std::optional<FactorType> FindFactorType(std::string_view name) const;
 

@@ -14,6 +14,10 @@ struct Field {
 };
 using Fields = std::vector<Field>;
 
+/// Where a schema names this as a block's type, variables of every type may stand there: the
+/// solver's own gaussian/1 alone may (solver/gaussian.hpp).
+constexpr const char* kAnyVariable = "any/1";
+
 /// A variable that a factor type touches: the role it plays there and its variable type.
 struct Block {
   std::string role;           ///< "a"

@@ -31,6 +31,7 @@ class Values {
 
  private:
   friend class Graph;
+  friend class Snapshots;
   Values(std::shared_ptr<const Layout> layout, std::vector<double> data)
       : layout_(std::move(layout)), data_(std::move(data)) {}
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/rotation.hpp"
@@ -49,6 +50,29 @@ void So3Minus(const double* y, const double* x, double* delta) {
   QuaternionLog(relative, delta);
 }
 
+// d Log(inverse(p) q Exp(d))/dd at 0: the inverse right Jacobian of SO(3) (Forster, Carlone,
+// Dellaert, Scaramuzza: On-Manifold Preintegration, T-RO 2017, equation 8), with its coefficient
+// written so that it has no pole at pi.
+void So3MinusJacobian(const double* q, const double* p, double* j, int stride) {
+  double w[3];
+  So3Minus(q, p, w);
+  const double squared = w[0] * w[0] + w[1] * w[1] + w[2] * w[2], angle = std::sqrt(squared);
+  const double c =
+      squared > 1e-4 ? (1 - angle / 2 / std::tan(angle / 2)) / squared : 1.0 / 12 + squared / 720;
+  const double cross[3][3] = {{0, -w[2], w[1]}, {w[2], 0, -w[0]}, {-w[1], w[0], 0}};
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) {
+      const double square = w[row] * w[column] - (row == column ? squared : 0);
+      j[row * stride + column] = (row == column ? 1 : 0) + cross[row][column] / 2 + c * square;
+    }
+}
+
+void Se2MinusJacobian(const double* y, const double* x, double* j) {
+  const double c = std::cos(y[2] - x[2]), s = std::sin(y[2] - x[2]);
+  const double values[9] = {c, -s, 0, s, c, 0, 0, 0, 1};
+  std::copy(values, values + 9, j);
+}
+
 void Se3Plus(const double* x, const double* delta, double* y) {
   double moved[3];
   QuaternionRotate(x + 3, delta, moved);
@@ -70,6 +94,15 @@ void Se3Minus(const double* y, const double* x, double* delta) {
   const double inverse[4] = {-x[3], -x[4], -x[5], x[6]};
   QuaternionRotate(inverse, moved, delta);
   So3Minus(y + 3, x + 3, delta + 3);
+}
+
+void Se3MinusJacobian(const double* y, const double* x, double* j) {
+  std::fill(j, j + 36, 0.0);
+  double relative[4], r[9];
+  QuaternionInverseProduct(x + 3, y + 3, relative);
+  QuaternionToMatrix(relative, r);
+  for (int row = 0; row < 3; ++row) std::copy(r + 3 * row, r + 3 * row + 3, j + 6 * row);
+  So3MinusJacobian(y + 3, x + 3, j + 3 * 6 + 3, 6);
 }
 
 int32_t So3Normalise(double* x) { return NormaliseQuaternion(x); }
@@ -174,6 +207,30 @@ void VariableType::PlusJacobian(const double* x, double* jacobian) const {
     manifold->plus_jacobian(x, jacobian);
   } catch (...) {
     std::fill(jacobian, jacobian + n * TangentSize(), kNan);
+  }
+}
+
+void VariableType::MinusJacobian(const double* y, const double* x, double* jacobian) const {
+  if (manifold == &kSe2) return Se2MinusJacobian(y, x, jacobian);
+  if (manifold == &kSo3) return So3MinusJacobian(y, x, jacobian, 3);
+  if (manifold == &kSe3) return Se3MinusJacobian(y, x, jacobian);
+  const auto n = static_cast<std::size_t>(TangentSize());
+  std::fill(jacobian, jacobian + n * n, 0.0);
+  if (!manifold) {
+    for (std::size_t i = 0; i < n; ++i) jacobian[i * n + i] = 1;
+    return;
+  }
+  constexpr double kStep = 6e-6;  // the cube root of double precision
+  std::vector<double> delta(n, 0.0), moved(fields.size()), there(n), back(n);
+  for (std::size_t c = 0; c < n; ++c) {
+    delta[c] = kStep;
+    Plus(y, delta.data(), moved.data());
+    Minus(moved.data(), x, there.data());
+    delta[c] = -kStep;
+    Plus(y, delta.data(), moved.data());
+    Minus(moved.data(), x, back.data());
+    delta[c] = 0;
+    for (std::size_t r = 0; r < n; ++r) jacobian[r * n + c] = (there[r] - back[r]) / (2 * kStep);
   }
 }
 

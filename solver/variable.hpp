@@ -36,6 +36,10 @@ struct VariableType {
   void Minus(const double* y, const double* x, double* y_minus_x) const;
   /// d(x [+] delta)/d(delta) at 0: Size() x TangentSize(), row-major.
   void PlusJacobian(const double* x, double* jacobian) const;
+  /// d((y [+] delta) [-] x)/d(delta) at 0: TangentSize() x TangentSize(), row-major.  Exact for
+  /// vectors and the built-in manifolds; for a plug-in's, which has no function for it, central
+  /// differences, good to about 1e-9 of the fields' size.
+  void MinusJacobian(const double* y, const double* x, double* jacobian) const;
   /// Brings x onto the manifold.  False if it is too far off to be meant (a quaternion of norm 2).
   bool Normalise(double* x) const;
 };

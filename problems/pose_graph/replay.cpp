@@ -149,7 +149,16 @@ void Replay::Enter(VariableId id) {
   }
   place_[id] = entered_++;
   for (const FactorId factor : factors_[id])
-    if (--missing_[factor] == 0 && online_) online_->Add(graph_.FactorRecord(factor));
+    if (--missing_[factor] == 0 && online_) Say(factor);
+}
+
+void Replay::Say(FactorId id) {
+  for (const VariableId variable : graph_.VariablesOf(id))
+    if (online_->HasLeft(graph_.KeyOf(variable))) {
+      ++passed_over_;
+      return;
+    }
+  online_->Add(graph_.FactorRecord(id));
 }
 
 void Replay::EnterPose(VariableId pose) {

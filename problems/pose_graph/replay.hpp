@@ -26,6 +26,8 @@ namespace graticule {
 /// second bearing of two that cross well.  Those of which that is never known come with the last
 /// pose, where PlaceLandmarks would assume them.  Every other variable comes with the first pose,
 /// at its own value.  Variables without a factor never come.
+///
+/// Where poses leave `online` by a lag, factors that come later and touch them are passed over.
 class Replay {
  public:
   /// The graph must outlive it and stay as it is; nobody else may add to `online`.
@@ -50,6 +52,8 @@ class Replay {
   std::size_t FreeRoots() const { return free_roots_; }  ///< of these, those that nothing holds
   std::size_t Landmarks() const { return landmarks_; }   ///< that were placed
   std::size_t Assumed() const { return assumed_; }       ///< of these, by an assumption
+  /// Factors that were not added: a variable of theirs had left.
+  std::size_t PassedOver() const { return passed_over_; }
 
  private:
   static constexpr FactorId kNoFactor = 0xffffffffu;
@@ -62,6 +66,7 @@ class Replay {
   VariableId NextPose();
   void Place(VariableId pose);
   void Enter(VariableId id);
+  void Say(FactorId id);
   void EnterPose(VariableId pose);
   void SeeFrom(VariableId pose);
   void EnterFixed();
@@ -92,6 +97,7 @@ class Replay {
   bool is_done_ = false;
   double turn_variance_ = 0;
   std::size_t poses_ = 0, roots_ = 0, free_roots_ = 0, landmarks_ = 0, assumed_ = 0;
+  std::size_t passed_over_ = 0;
 };
 
 }  // namespace graticule

@@ -10,68 +10,25 @@
 #include "expect_error.hpp"
 #include "graticule/solver/marginals.hpp"
 #include "graticule/solver/solve.hpp"
-#include "problems.hpp"
+#include "online_replay.hpp"
 
 namespace graticule {
 namespace {
 
 using testing::ExpectError;
 using testing::Numbers;
+using testing::ObjectiveOf;
+using testing::Replay;
 using testing::Se2Loop;
 using testing::Se3Loop;
 using testing::TestTypes;
-
-Numbers ValueOf(const Graph& graph, VariableId id) {
-  return {graph.ValueOf(id).begin(), graph.ValueOf(id).end()};
-}
-
-// A variable at a time, with every factor that it completes.
-template <class AfterEach>
-void Replay(const Graph& graph, Online* online, AfterEach&& after_each) {
-  std::vector<std::vector<FactorId>> arrivals(graph.VariableCount());
-  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
-    VariableId last = 0;
-    for (const VariableId variable : graph.VariablesOf(id)) last = std::max(last, variable);
-    arrivals[last].push_back(id);
-  }
-  for (VariableId id = 0; id < graph.VariableCount(); ++id) {
-    online->Add(graph.KeyOf(id), graph.TypeOf(id).name, ValueOf(graph, id), graph.IsFixed(id));
-    for (const FactorId factor : arrivals[id]) online->Add(graph.FactorRecord(factor));
-    after_each(id, online->Update());
-  }
-}
-
-void Replay(const Graph& graph, Online* online) {
-  Replay(graph, online, [](VariableId, const OnlineReport&) {});
-}
-
-double ObjectiveOf(const Graph& graph, const Values& values) {
-  return Objectives(graph, {&values})[0];
-}
-
-// Chords across a loop, so that the tree branches.
-Graph WithChords(Graph graph, bool planar) {
-  const auto count = static_cast<unsigned>(graph.VariableCount());
-  for (unsigned i = 0; i < count; i += 3) {
-    const unsigned j = (i * 7 + 11) % count;
-    if (i == j) continue;
-    const Numbers a = testing::Circle(count)[i], b = testing::Circle(count)[j];
-    if (planar)
-      graph.Add(BetweenSe2Factor(Key("pose", i), Key("pose", j), testing::Relative(a, b),
-                                 Noise::Sigmas({0.2, 0.2, 0.1}), "loop"));
-  }
-  return graph;
-}
+using testing::WithChords;
 
 TEST(Online, WithoutShortCutsFollowsGaussNewtonToTheMinimum) {
   for (const bool planar : {true, false}) {
     const Graph graph =
         planar ? WithChords(Se2Loop(60, 0.02, 0.02), true) : Se3Loop(40, 0.02, 0.02);
-    OnlineOptions options;
-    options.relinearise_above = 0;
-    options.relinearise_every = 1;
-    options.propagate_above = 0;
-    Online online(TestTypes(), options);
+    Online online(TestTypes(), testing::WithoutShortCuts());
     Replay(graph, &online);
     for (int i = 0; i < 10; ++i) online.Update();
     SolveOptions to;

@@ -32,6 +32,11 @@ TEST(Registry, RefusesANameThatIsTakenWithBothOrigins) {
   ExpectError(ErrorKind::kMissingType, {"se2/1", "already taken"}, [&] { types.Add(se2); });
   VariableType vector = *types.FindVariableType("vector2/1");
   ExpectError(ErrorKind::kMissingType, {"vector2/1", "already taken"}, [&] { types.Add(vector); });
+  se2.name = "any/1";
+  ExpectError(ErrorKind::kMissingType, {"any/1", "already taken"}, [&] { types.Add(se2); });
+  again.name = "gaussian/1";
+  ExpectError(ErrorKind::kMissingType, {"gaussian/1", "already taken"}, [&] { types.Add(again); });
+  EXPECT_TRUE(Registry().FindFactorType("gaussian/1")->Known());
 }
 
 TEST(Registry, RefusesAFactorOfAVariableThatNobodyProvides) {

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <stdexcept>
+#include <vector>
 
 #include "expect_error.hpp"
 
@@ -67,6 +69,49 @@ TEST(VariableType, IsRefusedWhereItsTableIsNotRight) {
     t->plus_jacobian = nullptr;
     t->minus = nullptr;
   });
+}
+
+// Against central differences of Minus, on both sides of the wrap and near it.
+TEST(VariableType, KnowsHowItsDifferenceChanges) {
+  const graticule_variable_type_v1 circle = Circle();
+  std::vector<VariableType> types = {MakeVariableType(circle, "here")};
+  for (const graticule_variable_type_v1* table : BuiltinVariableTables())
+    types.push_back(MakeVariableType(*table, "built-in"));
+  VariableType vector;
+  ASSERT_TRUE(MakeVectorType("vector3/1", &vector));
+  types.push_back(vector);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> gauss;
+  for (const VariableType& type : types) {
+    const auto size = static_cast<std::size_t>(type.Size());
+    const auto n = static_cast<std::size_t>(type.TangentSize());
+    // A quaternion, an angle and a direction are somewhere on their manifolds with (0 .. 0 1) or
+    // (1 0) as the origin.
+    std::vector<double> origin(size, 0.0);
+    if (type.name == "so3/1" || type.name == "se3/1") origin.back() = 1;
+    if (type.name == "circle/1") origin.front() = 1;
+    for (const double scale : {0.0, 1e-4, 0.3, 1.5}) {
+      std::vector<double> d(n), x(size), y(size), moved(size);
+      for (double& v : d) v = gauss(random);
+      type.Plus(origin.data(), d.data(), x.data());
+      for (double& v : d) v = scale * gauss(random);
+      type.Plus(x.data(), d.data(), y.data());
+      std::vector<double> jacobian(n * n);
+      type.MinusJacobian(y.data(), x.data(), jacobian.data());
+      for (std::size_t c = 0; c < n; ++c) {
+        std::vector<double> step(n, 0.0), there(n), back(n);
+        step[c] = 1e-5;
+        type.Plus(y.data(), step.data(), moved.data());
+        type.Minus(moved.data(), x.data(), there.data());
+        step[c] = -1e-5;
+        type.Plus(y.data(), step.data(), moved.data());
+        type.Minus(moved.data(), x.data(), back.data());
+        for (std::size_t r = 0; r < n; ++r)
+          EXPECT_NEAR(jacobian[r * n + c], (there[r] - back[r]) / 2e-5, 1e-8)
+              << type.name << " " << scale << " " << r << " " << c;
+      }
+    }
+  }
 }
 
 TEST(VariableType, ThatThrowsGivesNan) {
