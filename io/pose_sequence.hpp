@@ -18,9 +18,9 @@ struct PoseSequence {
     PlanarPose world_from_robot;
   };
 
-  std::uint32_t nodes = 0;   ///< numbered from 0
-  std::uint32_t robots = 0;  ///< numbered from 0; each has consecutive nodes
-  std::vector<Pose> poses;   ///< of all graphs, one after the other
+  std::uint32_t nodes = 0;           ///< numbered from 0
+  std::uint32_t robots = 0;          ///< numbered from 0; each has consecutive nodes
+  std::vector<Pose> poses;           ///< of all graphs, one after the other
   std::vector<std::size_t> ends{0};  ///< graph g has poses [ends[g], ends[g + 1])
 
   std::size_t GraphCount() const { return ends.size() - 1; }

@@ -27,9 +27,18 @@ struct CellBits {
   bool Test(int x, int y) const { return (words[y >> 2] >> (16 * (y & 3) + x)) & 1; }
   void Set(int x, int y) { words[y >> 2] |= std::uint64_t{1} << (16 * (y & 3) + x); }
   int Count() const {
-    int count = 0;
-    for (const std::uint64_t word : words) count += __builtin_popcountll(word);
-    return count;
+    // Without an instruction for it, which x86-64 has not to begin with: sums in fields of 2, 4, 8
+    // bits, of all words at once.
+    constexpr std::uint64_t k2 = 0x5555555555555555, k4 = 0x3333333333333333,
+                            k8 = 0x0f0f0f0f0f0f0f0f, k16 = 0x00ff00ff00ff00ff;
+    std::uint64_t bytes = 0;
+    for (std::uint64_t word : words) {
+      word -= (word >> 1) & k2;
+      word = (word & k4) + ((word >> 2) & k4);
+      bytes += (word + (word >> 4)) & k8;
+    }
+    bytes = (bytes & k16) + ((bytes >> 8) & k16);
+    return static_cast<int>((bytes * 0x0001000100010001) >> 48);
   }
   friend CellBits operator&(const CellBits& a, const CellBits& b) {
     CellBits r;

@@ -1,9 +1,12 @@
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "graticule/problems/mapping/page_grid.hpp"
 #include "graticule/problems/mapping/rasteriser.hpp"
+#include "graticule/problems/mapping/votes.hpp"
 
 namespace graticule {
 
@@ -19,39 +22,25 @@ struct CoverOptions {
   bool across_robots = false;
 };
 
-/// The tiles that a scan touches, and the box of these.
-struct Footprint {
-  std::vector<ScanTile> tiles;
-  TileIndex low, high;
-
-  /// After a change of `tiles`.
-  void FindBox();
-  bool Meets(const Footprint& other) const {
-    return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
-           other.low.y <= high.y;
-  }
-};
-
-/// coverTest of Algorithm 2.1, line 3: field of view and position are compared by what they are
-/// compared for, the cells that the scan sees from there.
-class CoverTest {
+/// By how many nodes of a cover each cell was seen: what coverTest of Algorithm 2.1, line 3, asks.
+/// Field of view and position are compared by what they are compared for, the cells that are seen
+/// from there.
+class CoverSight {
  public:
-  CoverTest(const CoverOptions& options, const Footprint& candidate);
-
-  /// Takes the scan of a node of the cover into account.  True as long as the candidate has to join
-  /// the cover by what was taken into account so far.
-  bool StillAdds(const Footprint& member);
-  bool Adds() const { return news_ > allowed_; }
+  /// A node of the cover is drawn anew; either may be empty.  Both in the order of their tiles.
+  void Replace(const std::vector<ScanTile>& before, const std::vector<ScanTile>& after);
+  /// coverTest: whether a scan adds to what is seen.
+  bool Adds(const std::vector<ScanTile>& scan, const CoverOptions& options) const;
 
  private:
-  struct Seen {
-    CellBits at_least[7];  // by 1, 2, ... nodes
+  struct Tile {
+    CellBits planes[VoteTile::kPlanes];
+    std::uint8_t used = 0;
   };
-  const Footprint& candidate_;
-  int views_;
-  std::vector<Seen> seen_;           // a tile of the candidate
-  std::vector<std::int16_t> place_;  // of a tile, row by row in the candidate's box; -1: none
-  double news_ = 0, allowed_ = 0;
+  struct Page {
+    Tile tiles[kPageTiles];
+  };
+  PageGrid<std::unique_ptr<Page>> pages_;
 };
 
 }  // namespace graticule

@@ -4,16 +4,16 @@
 
 namespace graticule {
 
-void DenseSlice::Draw(const std::vector<const Footprint*>& drawings) {
+void DenseSlice::Draw(const std::vector<const std::vector<ScanTile>*>& drawings) {
   bool any = false;
-  for (const Footprint* drawing : drawings) {
-    if (drawing->tiles.empty()) continue;
-    low_.x = any ? std::min(low_.x, drawing->low.x) : drawing->low.x;
-    low_.y = any ? std::min(low_.y, drawing->low.y) : drawing->low.y;
-    high_.x = any ? std::max(high_.x, drawing->high.x) : drawing->high.x;
-    high_.y = any ? std::max(high_.y, drawing->high.y) : drawing->high.y;
-    any = true;
-  }
+  for (const std::vector<ScanTile>* drawing : drawings)
+    for (const ScanTile& tile : *drawing) {
+      low_.x = any ? std::min(low_.x, tile.index.x) : tile.index.x;
+      low_.y = any ? std::min(low_.y, tile.index.y) : tile.index.y;
+      high_.x = any ? std::max(high_.x, tile.index.x) : tile.index.x;
+      high_.y = any ? std::max(high_.y, tile.index.y) : tile.index.y;
+      any = true;
+    }
   if (!any) high_ = {low_.x - 1, low_.y - 1};
   planes_ = 0;
   while (drawings.size() >> planes_) ++planes_;
@@ -22,8 +22,8 @@ void DenseSlice::Draw(const std::vector<const Footprint*>& drawings) {
   const std::size_t size = width * static_cast<std::size_t>(high_.y - low_.y + 1) * planes;
   passes_.assign(size, {});
   hits_.assign(size, {});
-  for (const Footprint* drawing : drawings)
-    for (const ScanTile& tile : drawing->tiles) {
+  for (const std::vector<ScanTile>* drawing : drawings)
+    for (const ScanTile& tile : *drawing) {
       const std::size_t at = (static_cast<std::size_t>(tile.index.y - low_.y) * width +
                               static_cast<std::size_t>(tile.index.x - low_.x)) *
                              planes;

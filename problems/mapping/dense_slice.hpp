@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "graticule/problems/mapping/cover.hpp"
+#include "graticule/problems/mapping/rasteriser.hpp"
 #include "graticule/problems/mapping/vote_grid.hpp"
 
 namespace graticule {
@@ -11,7 +11,7 @@ namespace graticule {
 /// counted together.  For comparison.
 class DenseSlice {
  public:
-  void Draw(const std::vector<const Footprint*>& drawings);
+  void Draw(const std::vector<const std::vector<ScanTile>*>& drawings);
   /// compositeOnto of Algorithm 2.1.
   void CompositeOnto(VoteGrid* grid) const;
 

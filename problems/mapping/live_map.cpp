@@ -51,6 +51,7 @@ class LiveMap::Machine {
  public:
   explicit Machine(const LiveMapOptions& options)
       : options_(options),
+        reader_(options.ranges),
         grid_(options.votes),
         map_(std::make_shared<const OccupancyMap>(options.resolution)) {
     for (int i = 0; i < options.threads; ++i) rasterisers_.emplace_back(options.resolution);
@@ -63,12 +64,15 @@ class LiveMap::Machine {
       throw Error("a live map holds at most " + std::to_string(kMaxVotes) + " nodes");
     Node node;
     node.robot = robot;
-    node.pose = pose;
-    node.points = MakeScanPoints(geometry, ranges, options_.ranges);
+    node.points = reader_.Read(geometry, ranges);
+    Place place;
+    place.pose = pose;
+    place.reach = node.points.reach;
     Extent extent = extent_;
-    Include(static_cast<NodeId>(nodes_.size()), pose, node.points.reach, &extent);
+    Include(static_cast<NodeId>(nodes_.size()), pose, place.reach, &extent);
     extent_ = extent;
     nodes_.push_back(std::move(node));
+    places_.push_back(place);
     return static_cast<NodeId>(nodes_.size() - 1);
   }
 
@@ -77,7 +81,7 @@ class LiveMap::Machine {
       throw Error("expected a node below " + std::to_string(nodes_.size()) + ", found " +
                   std::to_string(id));
     Extent extent = extent_;
-    Include(id, pose, nodes_[id].points.reach, &extent);
+    Include(id, pose, places_[id].reach, &extent);
     extent_ = extent;
     Move(id, pose);
   }
@@ -87,8 +91,7 @@ class LiveMap::Machine {
       throw Error("expected a pose for each of " + std::to_string(nodes_.size()) +
                   " nodes, found " + std::to_string(poses.size()));
     Extent extent = extent_;
-    for (NodeId id = 0; id < poses.size(); ++id)
-      Include(id, poses[id], nodes_[id].points.reach, &extent);
+    for (NodeId id = 0; id < poses.size(); ++id) Include(id, poses[id], places_[id].reach, &extent);
     extent_ = extent;
     for (NodeId id = 0; id < poses.size(); ++id) Move(id, poses[id]);
   }
@@ -134,29 +137,31 @@ class LiveMap::Machine {
   std::size_t NodeCount() const { return nodes_.size(); }
   const std::vector<NodeId>& Cover() const { return cover_; }
   const PlanarPose& DrawnPose(NodeId id) const {
-    if (id >= nodes_.size() || nodes_[id].slice == kNone)
+    if (id >= nodes_.size() || places_[id].slice == kNone)
       throw Error("node " + std::to_string(id) + " is not in the cover");
-    return nodes_[id].drawn_at;
+    return places_[id].drawn_at;
   }
 
  private:
+  // What every new pose is looked up in; kept apart from what only drawing needs.
+  struct Place {
+    PlanarPose pose, drawn_at;
+    double reach = 0;
+    std::size_t slice = kNone;
+  };
   struct Node {
     std::uint32_t robot = 0;
-    PlanarPose pose;
-    PlanarPose drawn_at;
     ScanPoints points;
-    std::size_t slice = kNone;
-    Footprint drawing;  // of the cover only
+    std::vector<ScanTile> drawing;  // of the cover only
   };
   struct Slice {
     std::uint32_t robot = 0;
     std::vector<NodeId> nodes;
-    bool watched = false;  // in watched_
-    bool waited = false;   // a deadline came before it
-    DenseSlice dense;      // of kCoverComposite
+    bool waited = false;  // a deadline came before it
+    DenseSlice dense;     // of kCoverComposite
   };
   struct Robot {
-    std::vector<NodeId> cover;  // C_r
+    CoverSight sight;  // of C_r
     std::size_t open_slice = kNone;
   };
   using Clock = std::chrono::steady_clock;
@@ -189,12 +194,13 @@ class LiveMap::Machine {
   }
 
   void Move(NodeId id, const PlanarPose& pose) {
-    Node& node = nodes_[id];
-    if (node.pose.x == pose.x && node.pose.y == pose.y && node.pose.yaw == pose.yaw) return;
-    node.pose = pose;
-    if (node.slice == kNone || slices_[node.slice].watched) return;
-    slices_[node.slice].watched = true;
-    watched_.push_back(node.slice);
+    Place& place = places_[id];
+    place.pose = pose;
+    if (place.slice == kNone || watched_flag_[place.slice]) return;
+    const double limit = options_.regenerate_above * options_.resolution;
+    if (ProjectionErrorBound(limit, place.reach, place.drawn_at, pose) == Bound::kWithin) return;
+    watched_flag_[place.slice] = true;
+    watched_.push_back(place.slice);
   }
 
   // Algorithm 2.1, lines 9 to 13.
@@ -204,7 +210,7 @@ class LiveMap::Machine {
       if (IsStale(slices_[slice]))
         stale.push_back(slice);
       else
-        slices_[slice].watched = slices_[slice].waited = false;
+        watched_flag_[slice] = slices_[slice].waited = false;
     }
     // What has waited longest comes first, then what came first.
     std::sort(stale.begin(), stale.end(), [this](std::size_t a, std::size_t b) {
@@ -230,7 +236,7 @@ class LiveMap::Machine {
   bool IsStale(const Slice& slice) const {
     const double limit = options_.regenerate_above * options_.resolution;
     for (const NodeId id : slice.nodes)
-      if (ProjectionErrorExceeds(limit, nodes_[id].points, nodes_[id].drawn_at, nodes_[id].pose))
+      if (ProjectionErrorExceeds(limit, nodes_[id].points, places_[id].drawn_at, places_[id].pose))
         return true;
     return false;
   }
@@ -238,8 +244,8 @@ class LiveMap::Machine {
   double ErrorOf(const Slice& slice) const {
     double error = 0;
     for (const NodeId id : slice.nodes)
-      error =
-          std::max(error, ProjectionError(nodes_[id].points, nodes_[id].drawn_at, nodes_[id].pose));
+      error = std::max(error,
+                       ProjectionError(nodes_[id].points, places_[id].drawn_at, places_[id].pose));
     return error;
   }
 
@@ -266,7 +272,7 @@ class LiveMap::Machine {
     const std::size_t dirty = grid_.DirtyTiles();
     DrawBatch();
     for (const std::size_t* slice = begin; slice < end; ++slice) {
-      slices_[*slice].watched = slices_[*slice].waited = false;
+      watched_flag_[*slice] = slices_[*slice].waited = false;
       if (options_.method == MapMethod::kCoverComposite) DrawDense(&slices_[*slice]);
     }
     update->regenerated_slices += static_cast<std::size_t>(end - begin);
@@ -282,7 +288,7 @@ class LiveMap::Machine {
         std::clamp<std::size_t>(batch_.size() / kNodesWorthAThread, 1, rasterisers_.size());
     const auto draw = [this, threads](std::size_t thread) {
       for (std::size_t i = thread; i < batch_.size(); i += threads)
-        rasterisers_[thread].Draw(nodes_[batch_[i]].points, nodes_[batch_[i]].pose, &fresh_[i]);
+        rasterisers_[thread].Draw(nodes_[batch_[i]].points, places_[batch_[i]].pose, &fresh_[i]);
     };
     std::vector<std::thread> others;
     for (std::size_t t = 1; t < threads; ++t) others.emplace_back(draw, t);
@@ -290,10 +296,10 @@ class LiveMap::Machine {
     for (std::thread& other : others) other.join();
     for (std::size_t i = 0; i < batch_.size(); ++i) {
       Node& node = nodes_[batch_[i]];
-      if (options_.method == MapMethod::kIncremental) grid_.Replace(node.drawing.tiles, fresh_[i]);
-      node.drawing.tiles.swap(fresh_[i]);
-      node.drawing.FindBox();
-      node.drawn_at = node.pose;
+      if (options_.method == MapMethod::kIncremental) grid_.Replace(node.drawing, fresh_[i]);
+      if (options_.cover.on) SightOf(node.robot).Replace(node.drawing, fresh_[i]);
+      node.drawing.swap(fresh_[i]);
+      places_[batch_[i]].drawn_at = places_[batch_[i]].pose;
     }
   }
 
@@ -304,47 +310,43 @@ class LiveMap::Machine {
       if (!work_.FitsNew(started, deadline_, grid_.DirtyTiles())) break;
       const std::size_t dirty = grid_.DirtyTiles();
       Node& node = nodes_[next_];
-      rasterisers_[0].Draw(node.points, node.pose, &candidate_.tiles);
-      candidate_.FindBox();
-      if (!options_.cover.on || AddsToCover(node.robot)) {
+      rasterisers_[0].Draw(node.points, places_[next_].pose, &candidate_);
+      if (!options_.cover.on || SightOf(node.robot).Adds(candidate_, options_.cover)) {
         node.drawing = candidate_;
-        node.drawn_at = node.pose;
+        places_[next_].drawn_at = places_[next_].pose;
         JoinCover(next_);
         if (options_.method == MapMethod::kCoverComposite)
-          DrawDense(&slices_[node.slice]);
+          DrawDense(&slices_[places_[next_].slice]);
         else
-          grid_.Replace({}, node.drawing.tiles);
+          grid_.Replace({}, node.drawing);
+        if (options_.cover.on) SightOf(node.robot).Replace({}, node.drawing);
       }
       work_.Took(Elapsed() - started, grid_.DirtyTiles() - dirty);
     }
   }
 
-  // coverTest.  The latest first: they are the likeliest to have seen the same.
-  bool AddsToCover(std::uint32_t robot) {
-    CoverTest test(options_.cover, candidate_);
-    const std::vector<NodeId>& cover = options_.cover.across_robots ? cover_ : robots_[robot].cover;
-    for (std::size_t i = cover.size(); i-- > 0 && test.StillAdds(nodes_[cover[i]].drawing);) {
-    }
-    return test.Adds();
+  // What the cover that a robot's nodes may join has seen.
+  CoverSight& SightOf(std::uint32_t robot) {
+    return options_.cover.across_robots ? sight_ : robots_[robot].sight;
   }
 
   void JoinCover(NodeId id) {
-    Node& node = nodes_[id];
+    const Node& node = nodes_[id];
     Robot& robot = robots_[node.robot];
     if (robot.open_slice == kNone ||
         slices_[robot.open_slice].nodes.size() >= options_.slice_size) {
       robot.open_slice = slices_.size();
       slices_.emplace_back();
       slices_.back().robot = node.robot;
+      watched_flag_.push_back(false);
     }
-    node.slice = robot.open_slice;
-    slices_[node.slice].nodes.push_back(id);
-    robot.cover.push_back(id);
+    places_[id].slice = robot.open_slice;
+    slices_[robot.open_slice].nodes.push_back(id);
     cover_.push_back(id);
   }
 
   void DrawDense(Slice* slice) {
-    std::vector<const Footprint*> drawings;
+    std::vector<const std::vector<ScanTile>*> drawings;
     for (const NodeId id : slice->nodes) drawings.push_back(&nodes_[id].drawing);
     slice->dense.Draw(drawings);
   }
@@ -359,10 +361,12 @@ class LiveMap::Machine {
     grid_.Clear();
     for (const NodeId id : cover_) {
       Node& node = nodes_[id];
-      rasterisers_[0].Draw(node.points, node.pose, &node.drawing.tiles);
-      node.drawing.FindBox();
-      node.drawn_at = node.pose;
-      grid_.Replace({}, node.drawing.tiles);
+      rasterisers_[0].Draw(node.points, places_[id].pose, &candidate_);
+      grid_.Replace({}, candidate_);
+      places_[id].drawn_at = places_[id].pose;
+      if (options_.method == MapMethod::kNaive) continue;
+      SightOf(node.robot).Replace(node.drawing, candidate_);
+      node.drawing.swap(candidate_);
     }
   }
 
@@ -376,16 +380,20 @@ class LiveMap::Machine {
   }
 
   LiveMapOptions options_;
+  ScanReader reader_;
   std::vector<Node> nodes_;
-  NodeId next_ = 0;  // the first that Update has not looked at
-  std::map<std::uint32_t, Robot> robots_;
+  std::vector<Place> places_;              // a node
+  NodeId next_ = 0;                        // the first that Update has not looked at
+  std::map<std::uint32_t, Robot> robots_;  // by number
   std::vector<NodeId> cover_;
+  CoverSight sight_;  // of all robots' covers, for across_robots
   std::vector<Slice> slices_;
   std::vector<std::size_t> watched_;  // slices whose nodes moved, or that wait
+  std::vector<char> watched_flag_;    // of a slice: in watched_
   Extent extent_;
   VoteGrid grid_;
   std::vector<Rasteriser> rasterisers_;  // a thread
-  Footprint candidate_;
+  std::vector<ScanTile> candidate_;
   std::vector<NodeId> batch_;
   std::vector<std::vector<ScanTile>> fresh_;
   Clock::time_point started_;  // this update

@@ -77,7 +77,7 @@ class LiveMap {
   LiveMap& operator=(const LiveMap&) = delete;
 
   /// A new pose of a robot (any numbers) with the scan taken there.  Nodes are numbered from 0.
-  /// Readings that are no range say nothing (MakeScanPoints).  Throws Error: no readings, or a pose
+  /// Readings that are no range say nothing (ScanReader).  Throws Error: no readings, or a pose
   /// or geometry that is not finite or too far away.
   NodeId AddNode(std::uint32_t robot, const LaserGeometry& geometry, Span<const float> ranges,
                  const PlanarPose& world_from_robot);

@@ -16,24 +16,49 @@ double ProjectionError(const ScanPoints& points, const PlanarPose& world_from_th
     const double along = dx + c * x - s * y, across = dy + s * x + c * y;
     return along * along + across * across;
   };
-  double farthest = moved(points.laser_x, points.laser_y);
-  for (std::size_t i = 0; i < points.Size(); ++i)
-    farthest = std::max(farthest, moved(points.x[i], points.y[i]));
-  return std::sqrt(farthest);
+  // Two maxima: one would wait for itself.
+  double even = moved(points.laser_x, points.laser_y), odd = even;
+  std::size_t i = 0;
+  for (; i + 1 < points.Size(); i += 2) {
+    even = std::max(even, moved(points.x[i], points.y[i]));
+    odd = std::max(odd, moved(points.x[i + 1], points.y[i + 1]));
+  }
+  if (i < points.Size()) even = std::max(even, moved(points.x[i], points.y[i]));
+  return std::sqrt(std::max(even, odd));
 }
 
 bool ProjectionErrorExceeds(double limit, const ScanPoints& points,
                             const PlanarPose& world_from_then, const PlanarPose& world_from_now) {
-  const double shift =
-      std::hypot(world_from_now.x - world_from_then.x, world_from_now.y - world_from_then.y);
-  // The chord that the place at `reach` moves along; the factor is for rounding, of the float
-  // points too.
-  constexpr double kRounding = 1e-6;
-  const double chord =
-      2 * std::abs(std::sin((world_from_now.yaw - world_from_then.yaw) / 2)) * points.reach;
-  if ((shift + chord) * (1 + kRounding) <= limit) return false;
-  if (std::abs(chord - shift) * (1 - kRounding) > limit) return true;
+  switch (ProjectionErrorBound(limit, points.reach, world_from_then, world_from_now)) {
+    case Bound::kWithin:
+      return false;
+    case Bound::kBeyond:
+      return true;
+    case Bound::kOpen:
+      break;
+  }
   return ProjectionError(points, world_from_then, world_from_now) > limit;
+}
+
+Bound ProjectionErrorBound(double limit, double reach, const PlanarPose& world_from_then,
+                           const PlanarPose& world_from_now) {
+  const double dx = world_from_now.x - world_from_then.x;
+  const double dy = world_from_now.y - world_from_then.y;
+  const double shift2 = dx * dx + dy * dy;
+  double turn = std::abs(world_from_now.yaw - world_from_then.yaw);
+  if (turn > 1) turn = std::abs(WrappedAngle(turn));
+  // What is at `reach` moves along a chord, which is a little shorter than the arc.  The factors
+  // are for rounding, of the float points too.
+  constexpr double kRounding = 1e-6;
+  const double arc = turn * reach * (1 + kRounding);
+  const double rest = limit * (1 - kRounding) - arc;
+  if (rest >= 0 && shift2 <= rest * rest) return Bound::kWithin;
+  // The place at `reach` moves by the chord, turned, and the shift: by their difference at least.
+  const double chord = turn * reach * (1 - turn * turn / 24) * (1 - kRounding);
+  const double beyond = limit * (1 + kRounding);
+  if (chord > beyond && shift2 < (chord - beyond) * (chord - beyond)) return Bound::kBeyond;
+  if (shift2 > (arc + beyond) * (arc + beyond)) return Bound::kBeyond;
+  return Bound::kOpen;
 }
 
 }  // namespace graticule

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graticule/problems/mapping/rasteriser.hpp"
+#include "graticule/problems/mapping/scan_points.hpp"
 
 namespace graticule {
 
@@ -9,7 +9,12 @@ namespace graticule {
 double ProjectionError(const ScanPoints& points, const PlanarPose& world_from_then,
                        const PlanarPose& world_from_now);
 
-/// Whether that is more than `limit`, mostly without looking at the beams.
+/// What is known of it without looking at the beams, from the scan's reach alone.
+enum class Bound { kWithin, kBeyond, kOpen };
+Bound ProjectionErrorBound(double limit, double reach, const PlanarPose& world_from_then,
+                           const PlanarPose& world_from_now);
+
+/// Whether it is more than `limit`.
 bool ProjectionErrorExceeds(double limit, const ScanPoints& points,
                             const PlanarPose& world_from_then, const PlanarPose& world_from_now);
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kOne = 4294967296.0;  // a cell
 // Beyond this a beam is level but for the row it may graze: rows gain nothing from more.
 constexpr double kMaxSlope = 1 << 20;
-constexpr std::ptrdiff_t kGroup = 8;  // beams; 4 and 16 are slower on killian's and campus' scans
+constexpr int kFan = 8;  // beams
 
 std::int32_t RoundDown(double value, int multiple) {
   return static_cast<std::int32_t>(std::floor(value / multiple)) * multiple;
@@ -29,44 +29,21 @@ CellBits Quarter(const std::uint64_t* rows, int quarter) {
 
 }  // namespace
 
-ScanPoints MakeScanPoints(const LaserGeometry& geometry, Span<const float> ranges,
-                          const RangeUse& use) {
-  const PlanarPose& laser = geometry.robot_from_laser;
-  for (const double number :
-       {geometry.first_angle, geometry.step, geometry.max_range, laser.x, laser.y, laser.yaw})
-    if (!std::isfinite(number)) throw Error("the laser's geometry is not finite");
-  ScanPoints points;
-  points.laser_x = static_cast<float>(laser.x);
-  points.laser_y = static_cast<float>(laser.y);
-  points.reach = std::hypot(laser.x, laser.y);
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    double range = ranges[i];
-    if (!(range > 0) || std::isinf(range)) continue;
-    const bool returned = range < geometry.max_range;
-    if (!returned && !use.clear_no_return) continue;
-    const bool hit = returned && range <= use.max_range;
-    range = std::min(range, use.max_range);
-    const double angle = geometry.first_angle + static_cast<double>(i) * geometry.step;
-    double x, y;
-    laser.Transform(range * std::cos(angle), range * std::sin(angle), &x, &y);
-    points.x.push_back(static_cast<float>(x));
-    points.y.push_back(static_cast<float>(y));
-    points.hit.push_back(hit);
-    points.reach = std::max(points.reach, std::hypot(x, y));
-  }
-  return points;
-}
-
 void Rasteriser::Draw(const ScanPoints& points, const PlanarPose& world_from_robot,
                       std::vector<ScanTile>* tiles) {
   tiles->clear();
   if (points.Size() == 0) return;
   PlaceBeams(points, world_from_robot);
-  for (const Beam *begin = beams_.data(), *last = begin + beams_.size(); begin != last;) {
-    const Beam* end = begin + 1;
-    while (end != last && end - begin < kGroup && end->up == begin->up) ++end;
-    DrawGroup(begin, end);
-    begin = end;
+  for (const Beam *beam = beams_.data(), *last = beam + beams_.size(); beam != last;) {
+    std::ptrdiff_t fan = 1;
+    while (fan < kFan && fan < last - beam && beam[fan].up == beam->up) ++fan;
+    if (fan == kFan) {
+      DrawFan<kFan>(beam, 0);
+    } else {
+      fan = 1;
+      DrawFan<1>(beam, 0);
+    }
+    beam += fan;
   }
   Collect(tiles);
 }
@@ -126,44 +103,6 @@ void Rasteriser::PlaceBeams(const ScanPoints& points, const PlanarPose& world_fr
   }
 }
 
-void Rasteriser::DrawGroup(const Beam* begin, const Beam* end) {
-  const std::int32_t step = begin->up ? 1 : -1;
-  const auto from = [this](const Beam& beam, std::int32_t k) {
-    return k == 0 ? start_x_ : beam.first + (k - 1) * beam.slope;
-  };
-  // Rows that all of them cross from edge to edge, and where no two neighbours are more than a cell
-  // apart at the far edge: there the runs of the group are one run, from the lowest slope's to
-  // the highest's.
-  std::int32_t shared = begin->rows;
-  std::int64_t apart = 0, spread = 0;
-  const Beam *lowest = begin, *highest = begin;
-  for (const Beam* beam = begin + 1; beam < end; ++beam) {
-    shared = std::min(shared, beam->rows);
-    apart = std::max(apart, std::abs(beam->first - beam[-1].first));
-    spread = std::max(spread, std::abs(beam->slope - beam[-1].slope));
-    if (beam->slope < lowest->slope) lowest = beam;
-    if (beam->slope > highest->slope) highest = beam;
-  }
-  constexpr std::int64_t kCell = std::int64_t{1} << 32;
-  if (end - begin == 1 || apart > kCell) {
-    shared = 0;
-  } else if (shared > 1 && apart + (shared - 1) * spread > kCell) {
-    shared = static_cast<std::int32_t>((kCell - apart) / spread) + 1;
-  }
-  for (std::int32_t k = 0; k < shared; ++k)
-    DrawRun(start_row_ + step * k, std::min(from(*lowest, k), from(*lowest, k + 1)),
-            std::max(from(*highest, k), from(*highest, k + 1)));
-  for (const Beam* beam = begin; beam < end; ++beam) {
-    std::int64_t x = from(*beam, shared);
-    for (std::int32_t k = shared; k < beam->rows; ++k) {
-      const std::int64_t next = beam->first + k * beam->slope;
-      DrawRun(start_row_ + step * k, std::min(x, next), std::max(x, next));
-      x = next;
-    }
-    DrawRun(start_row_ + step * beam->rows, std::min(x, beam->end_x), std::max(x, beam->end_x));
-  }
-}
-
 inline void Rasteriser::DrawRun(std::int32_t row, std::int64_t from, std::int64_t to) {
   const auto first = static_cast<std::int32_t>(from >> 32);
   const auto last = static_cast<std::int32_t>(to >> 32);
@@ -178,6 +117,47 @@ inline void Rasteriser::DrawRun(std::int32_t row, std::int64_t from, std::int64_
   *word |= right_of;
   for (word += height_; --columns > 0; word += height_) *word = ~std::uint64_t{0};
   *word |= left_of;
+}
+
+template <int kCount>
+void Rasteriser::DrawFan(const Beam* begin, std::int32_t row) {
+  const auto from = [this](const Beam& beam, std::int32_t k) {
+    return k == 0 ? start_x_ : beam.first + (k - 1) * beam.slope;
+  };
+  const std::int32_t step = begin->up ? 1 : -1;
+  if constexpr (kCount == 1) {
+    std::int64_t x = from(*begin, row);
+    for (; row < begin->rows; ++row) {
+      const std::int64_t next = begin->first + row * begin->slope;
+      DrawRun(start_row_ + step * row, std::min(x, next), std::max(x, next));
+      x = next;
+    }
+    DrawRun(start_row_ + step * row, std::min(x, begin->end_x), std::max(x, begin->end_x));
+  } else {
+    // Rows that all of them cross from edge to edge, and where no two neighbours are more than a
+    // cell apart at the far edge: there their runs are one run, from the lowest slope's to the
+    // highest's.
+    std::int32_t shared = begin->rows;
+    std::int64_t apart = 0, spread = 0;
+    const Beam *lowest = begin, *highest = begin;
+    for (const Beam* beam = begin + 1; beam < begin + kCount; ++beam) {
+      shared = std::min(shared, beam->rows);
+      apart = std::max(apart, std::abs(beam->first - beam[-1].first));
+      spread = std::max(spread, std::abs(beam->slope - beam[-1].slope));
+      if (beam->slope < lowest->slope) lowest = beam;
+      if (beam->slope > highest->slope) highest = beam;
+    }
+    constexpr std::int64_t kCell = std::int64_t{1} << 32;
+    if (apart > kCell)
+      shared = 0;
+    else if (shared > 1 && apart + (shared - 1) * spread > kCell)
+      shared = static_cast<std::int32_t>((kCell - apart) / spread) + 1;
+    for (; row < shared; ++row)
+      DrawRun(start_row_ + step * row, std::min(from(*lowest, row), from(*lowest, row + 1)),
+              std::max(from(*highest, row), from(*highest, row + 1)));
+    DrawFan<kCount / 2>(begin, row);
+    DrawFan<kCount / 2>(begin + kCount / 2, row);
+  }
 }
 
 void Rasteriser::Collect(std::vector<ScanTile>* tiles) {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "graticule/io/laser_log.hpp"
 #include "graticule/problems/mapping/cell_bits.hpp"
+#include "graticule/problems/mapping/scan_points.hpp"
 
 namespace graticule {
 
@@ -15,29 +15,23 @@ struct ScanTile {
   CellBits hit;     ///< a beam ended here
 };
 
-/// A sweep's beams that say something, in the robot's frame.
-struct ScanPoints {
-  float laser_x = 0, laser_y = 0;  ///< m: where the beams begin
-  std::vector<float> x, y;         ///< m: where they end, in the order of their angles
-  std::vector<std::uint8_t> hit;   ///< whether something was there
-  double reach = 0;                ///< m, from the robot's origin to the farthest of these places
-
-  std::size_t Size() const { return x.size(); }
-};
-
-/// Which readings count, and how far.
-struct RangeUse {
-  /// m; a longer beam passes what lies nearer, and hits nothing.
-  double max_range = 25;
-  /// Whether a beam that did not return passes the cells up to max_range.  Off: dark and slanting
-  /// surfaces and glass do not return either, and would be cleared away.
-  bool clear_no_return = false;
-};
-
-/// Readings that are NaN, infinite, zero, negative, or at least geometry.max_range ("no return")
-/// say nothing, but see RangeUse.  Throws Error: a geometry that is not finite.
-ScanPoints MakeScanPoints(const LaserGeometry& geometry, Span<const float> ranges,
-                          const RangeUse& use);
+/// Calls f(a's tile, b's tile) for each tile that either has, in order; where one has not, it has
+/// an empty one there.
+template <class F>
+void ForEachPair(const std::vector<ScanTile>& a, const std::vector<ScanTile>& b, F f) {
+  auto in_a = a.begin(), in_b = b.begin();
+  while (in_a != a.end() || in_b != b.end()) {
+    if (in_b == b.end() || (in_a != a.end() && in_a->index < in_b->index)) {
+      f(*in_a, ScanTile{in_a->index, {}, {}});
+      ++in_a;
+    } else if (in_a == a.end() || in_b->index < in_a->index) {
+      f(ScanTile{in_b->index, {}, {}}, *in_b);
+      ++in_b;
+    } else {
+      f(*in_a++, *in_b++);
+    }
+  }
+}
 
 /// Draws scans into the lattice: every cell that a beam crosses is passed, the cell that it ends in
 /// is hit, and a hit outweighs what other beams of the scan pass there.  Integer arithmetic, row by
@@ -65,7 +59,8 @@ class Rasteriser {
     bool up;
   };
   void PlaceBeams(const ScanPoints& points, const PlanarPose& world_from_robot);
-  void DrawGroup(const Beam* begin, const Beam* end);
+  template <int kCount>
+  void DrawFan(const Beam* begin, std::int32_t row);
   void DrawRun(std::int32_t row, std::int64_t from, std::int64_t to);
   void Collect(std::vector<ScanTile>* tiles);
 

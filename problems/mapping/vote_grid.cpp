@@ -125,22 +125,12 @@ VoteTile& VoteGrid::Dirty(TileIndex tile) {
 }
 
 void VoteGrid::Replace(const std::vector<ScanTile>& before, const std::vector<ScanTile>& after) {
-  static const CellBits none;
-  auto old = before.begin();
-  auto now = after.begin();
-  while (old != before.end() || now != after.end()) {
-    const bool has_old = old != before.end() && (now == after.end() || !(now->index < old->index));
-    const bool has_now = now != after.end() && (old == before.end() || !(old->index < now->index));
-    const CellBits old_passed = has_old ? old->passed : none, old_hit = has_old ? old->hit : none;
-    const CellBits passed = has_now ? now->passed : none, hit = has_now ? now->hit : none;
-    if (old_passed != passed || old_hit != hit) {
-      VoteTile& tile = Dirty(has_old ? old->index : now->index);
-      Count(passed & ~old_passed, old_passed & ~passed, tile.passes, &tile.pass_planes);
-      Count(hit & ~old_hit, old_hit & ~hit, tile.hits, &tile.hit_planes);
-    }
-    if (has_old) ++old;
-    if (has_now) ++now;
-  }
+  ForEachPair(before, after, [this](const ScanTile& old, const ScanTile& now) {
+    if (old.passed == now.passed && old.hit == now.hit) return;
+    VoteTile& tile = Dirty(now.index);
+    Count(now.passed & ~old.passed, old.passed & ~now.passed, tile.passes, &tile.pass_planes);
+    Count(now.hit & ~old.hit, old.hit & ~now.hit, tile.hits, &tile.hit_planes);
+  });
 }
 
 void VoteGrid::Add(TileIndex index, const CellBits* passes, const CellBits* hits, int planes) {

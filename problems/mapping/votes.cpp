@@ -1,6 +1,7 @@
 #include "graticule/problems/mapping/votes.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 
 #include "graticule/solver/error.hpp"
@@ -11,18 +12,19 @@ namespace {
 constexpr int kMaxWeight = 15;
 constexpr int kMaxConstant = 1 << 20;
 // A weighted count plus a constant.
-constexpr int kSumPlanes = VoteTile::kPlanes + 6;
+constexpr unsigned kSumPlanes = VoteTile::kPlanes + 6;
 
 struct Sum {
-  CellBits planes[kSumPlanes];
-  int used = 0;
+  CellBits planes[kSumPlanes];  // from `used` on: not set
+  unsigned used = 0;
 };
 
 // sum += counts * 2^shift.
-void AddShifted(const CellBits* counts, int planes, int shift, Sum* sum) {
+void AddShifted(const CellBits* counts, unsigned planes, unsigned shift, Sum* sum) {
+  for (; sum->used < shift; ++sum->used) sum->planes[sum->used] = CellBits();
   CellBits carry;
-  for (int i = shift; i < kSumPlanes && (i - shift < planes || carry.Any()); ++i) {
-    const CellBits a = sum->planes[i];
+  for (unsigned i = shift; i < kSumPlanes && (i - shift < planes || carry.Any()); ++i) {
+    const CellBits a = i < sum->used ? sum->planes[i] : CellBits();
     const CellBits b = i - shift < planes ? counts[i - shift] : CellBits();
     const CellBits half = a ^ b;
     sum->planes[i] = half ^ carry;
@@ -31,38 +33,44 @@ void AddShifted(const CellBits* counts, int planes, int shift, Sum* sum) {
   }
 }
 
-void AddConstant(int constant, Sum* sum) {
-  CellBits planes[kSumPlanes];
-  int used = 0;
-  for (; constant >> used; ++used)
-    if ((constant >> used) & 1) planes[used] = ~CellBits();
-  AddShifted(planes, used, 0, sum);
+void AddConstant(unsigned constant, Sum* sum) {
+  static const CellBits all = ~CellBits();
+  for (unsigned bit = 0; constant >> bit; ++bit)
+    if ((constant >> bit) & 1) AddShifted(&all, 1, bit, sum);
 }
 
 // Counts as the rule sees them: weighted, and no more than the saturation.
-void Weigh(const CellBits* counts, int planes, int weight, int saturation, Sum* sum) {
+void Weigh(const CellBits* counts, unsigned planes, unsigned weight, unsigned saturation,
+           Sum* sum) {
   CellBits limited[VoteTile::kPlanes];
-  int bits = 0;
+  unsigned bits = 0;
   while (saturation >> bits) ++bits;
   if (saturation > 0 && planes > bits) {
     CellBits over;
-    for (int i = bits; i < planes; ++i) over = over | counts[i];
-    for (int i = 0; i < bits; ++i) limited[i] = counts[i] | over;
+    for (unsigned i = bits; i < planes; ++i) over = over | counts[i];
+    for (unsigned i = 0; i < bits; ++i) limited[i] = counts[i] | over;
     counts = limited;
     planes = bits;
   }
-  for (int shift = 0; weight >> shift; ++shift)
+  for (unsigned shift = 0; weight >> shift; ++shift)
     if ((weight >> shift) & 1) AddShifted(counts, planes, shift, sum);
 }
 
 // Where a >= b + constant.
-CellBits AtLeast(Sum a, Sum b, int constant) {
-  if (constant > 0) AddConstant(constant, &b);
-  if (constant < 0) AddConstant(-constant, &a);
+CellBits AtLeast(const Sum& a, const Sum& b, int constant) {
+  if (constant != 0) {
+    Sum raised;
+    const Sum& from = constant > 0 ? b : a;
+    raised.used = from.used;
+    std::copy_n(from.planes, from.used, raised.planes);
+    AddConstant(static_cast<unsigned>(std::abs(constant)), &raised);
+    return constant > 0 ? AtLeast(a, raised, 0) : AtLeast(raised, b, 0);
+  }
   CellBits at_least = ~CellBits();
-  for (int i = 0; i < std::max(a.used, b.used); ++i) {
-    const CellBits differ = a.planes[i] ^ b.planes[i];
-    at_least = (a.planes[i] & differ) | (at_least & ~differ);
+  for (unsigned i = 0; i < std::max(a.used, b.used); ++i) {
+    const CellBits in_a = i < a.used ? a.planes[i] : CellBits();
+    const CellBits differ = i < b.used ? in_a ^ b.planes[i] : in_a;
+    at_least = (in_a & differ) | (at_least & ~differ);
   }
   return at_least;
 }
@@ -102,8 +110,10 @@ void CountAll(const CellBits* plus, int plus_planes, CellBits* planes, std::uint
 
 TileLabels LabelTile(const VoteTile& tile, const VoteRule& rule) {
   Sum hits, passes;
-  Weigh(tile.hits, tile.hit_planes, rule.hit_votes, rule.saturation, &hits);
-  Weigh(tile.passes, tile.pass_planes, rule.pass_votes, rule.saturation, &passes);
+  Weigh(tile.hits, tile.hit_planes, static_cast<unsigned>(rule.hit_votes),
+        static_cast<unsigned>(rule.saturation), &hits);
+  Weigh(tile.passes, tile.pass_planes, static_cast<unsigned>(rule.pass_votes),
+        static_cast<unsigned>(rule.saturation), &passes);
   CellBits was_hit, was_passed;
   for (int i = 0; i < tile.hit_planes; ++i) was_hit = was_hit | tile.hits[i];
   for (int i = 0; i < tile.pass_planes; ++i) was_passed = was_passed | tile.passes[i];

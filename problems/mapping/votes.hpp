@@ -12,7 +12,7 @@ namespace graticule {
 /// structure where score >= structure_from; free where the cell was seen and score <= free_to;
 /// unknown elsewhere.
 struct VoteRule {
-  int hit_votes = 2;   ///< 1 .. 15
+  int hit_votes = 3;   ///< 1 .. 15
   int pass_votes = 1;  ///< 1 .. 15
   /// The designer's bias: above 0 resists misalignment (walls stay), below 0 clears doorways
   /// sooner.

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "graticule/io/laser_log.hpp"
+
+namespace graticule {
+
+/// A sweep's beams that say something, in the robot's frame.
+struct ScanPoints {
+  float laser_x = 0, laser_y = 0;  ///< m: where the beams begin
+  std::vector<float> x, y;         ///< m: where they end, in the order of their angles
+  std::vector<std::uint8_t> hit;   ///< whether something was there
+  double reach = 0;                ///< m, from the robot's origin to the farthest of these places
+
+  std::size_t Size() const { return x.size(); }
+};
+
+/// Which readings count, and how far.
+struct RangeUse {
+  /// m; a longer beam passes what lies nearer, and hits nothing.
+  double max_range = 25;
+  /// Whether a beam that did not return passes the cells up to max_range.  Off: dark and slanting
+  /// surfaces and glass do not return either, and would be cleared away.
+  bool clear_no_return = false;
+};
+
+/// Makes ScanPoints; remembers the directions of the beams of the geometry that it saw last.
+class ScanReader {
+ public:
+  explicit ScanReader(const RangeUse& use) : use_(use) {}
+
+  /// Readings that are NaN, infinite, zero, negative, or at least geometry.max_range ("no return")
+  /// say nothing, but see RangeUse.  Throws Error: a geometry that is not finite.
+  ScanPoints Read(const LaserGeometry& geometry, Span<const float> ranges);
+
+ private:
+  RangeUse use_;
+  LaserGeometry geometry_;
+  std::vector<double> cosine_, sine_;  // of the beams, in the robot's frame
+};
+
+}  // namespace graticule
