@@ -98,6 +98,7 @@ class LiveMap::Machine {
 
   MapUpdate Update(double deadline) {
     started_ = Clock::now();
+    progress_ = false;
     deadline_ = options_.method == MapMethod::kIncremental
                     ? deadline
                     : std::numeric_limits<double>::infinity();
@@ -258,7 +259,10 @@ class LiveMap::Machine {
     std::size_t drawn = 0, end = begin;
     for (; end < stale.size() && drawn < batch; ++end) {
       const std::size_t nodes = slices_[stale[end]].nodes.size();
-      if (!work_.Fits(Elapsed(), deadline_, drawn + nodes, reserved, grid_.DirtyTiles())) break;
+      // A deadline that nothing fits in must not hold the map up for ever.
+      const bool first = !progress_ && drawn == 0;
+      if (!first && !work_.Fits(Elapsed(), deadline_, drawn + nodes, reserved, grid_.DirtyTiles()))
+        break;
       drawn += nodes;
     }
     return end;
@@ -275,6 +279,7 @@ class LiveMap::Machine {
       watched_flag_[*slice] = slices_[*slice].waited = false;
       if (options_.method == MapMethod::kCoverComposite) DrawDense(&slices_[*slice]);
     }
+    progress_ = true;
     update->regenerated_slices += static_cast<std::size_t>(end - begin);
     update->regenerated_nodes += batch_.size();
     work_.Drew(batch_.size(), Elapsed() - started, grid_.DirtyTiles() - dirty);
@@ -307,7 +312,8 @@ class LiveMap::Machine {
   void TakeNewNodes() {
     for (; next_ < nodes_.size(); ++next_) {
       const double started = Elapsed();
-      if (!work_.FitsNew(started, deadline_, grid_.DirtyTiles())) break;
+      if (progress_ && !work_.FitsNew(started, deadline_, grid_.DirtyTiles())) break;
+      progress_ = true;
       const std::size_t dirty = grid_.DirtyTiles();
       Node& node = nodes_[next_];
       rasterisers_[0].Draw(node.points, places_[next_].pose, &candidate_);
@@ -364,7 +370,7 @@ class LiveMap::Machine {
       rasterisers_[0].Draw(node.points, places_[id].pose, &candidate_);
       grid_.Replace({}, candidate_);
       places_[id].drawn_at = places_[id].pose;
-      if (options_.method == MapMethod::kNaive) continue;
+      if (options_.method == MapMethod::kNaive || !options_.cover.on) continue;
       SightOf(node.robot).Replace(node.drawing, candidate_);
       node.drawing.swap(candidate_);
     }
@@ -398,6 +404,7 @@ class LiveMap::Machine {
   std::vector<std::vector<ScanTile>> fresh_;
   Clock::time_point started_;  // this update
   double deadline_ = 0;
+  bool progress_ = false;  // this update has drawn something
   WorkEstimate work_;
   mutable std::mutex map_mutex_;  // held for the copy of a pointer only
   std::shared_ptr<const OccupancyMap> map_;

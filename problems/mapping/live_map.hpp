@@ -90,6 +90,7 @@ class LiveMap {
 
   /// Brings the map up to date, and publishes it.  kIncremental stops in time for a deadline
   /// (seconds, wall time) where one is given; slices that are left over come first the next time.
+  /// One slice or node is done in any case, so that a deadline that is too short ends some time.
   MapUpdate Update(double deadline = std::numeric_limits<double>::infinity());
 
   /// The map of the last update.  Thread-safe: waits for nothing but the copy of a pointer.
