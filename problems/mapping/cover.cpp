@@ -14,15 +14,18 @@ CellBits AtLeast(int number, const CellBits* planes, int used) {
 
 }  // namespace
 
-void CoverSight::Replace(const std::vector<ScanTile>& before, const std::vector<ScanTile>& after) {
-  ForEachPair(before, after, [this](const ScanTile& old, const ScanTile& now) {
-    const CellBits saw = old.passed | old.hit, sees = now.passed | now.hit;
-    if (saw == sees) return;
-    std::unique_ptr<Page>& page = pages_.At(PageOf(now.index));
+void CoverSight::Replace(const ScanTile& before, const ScanTile& after) {
+  const CellBits saw = before.passed | before.hit, sees = after.passed | after.hit;
+  if (saw == sees) return;
+  const TileIndex index = PageOf(after.index);
+  if (!last_ || !(last_index_ == index)) {
+    std::unique_ptr<Page>& page = pages_.At(index);
     if (!page) page = std::make_unique<Page>();
-    Tile& tile = page->tiles[PlaceInPage(now.index)];
-    Count(sees & ~saw, saw & ~sees, tile.planes, &tile.used);
-  });
+    last_ = page.get();
+    last_index_ = index;
+  }
+  Tile& tile = last_->tiles[PlaceInPage(after.index)];
+  Count(sees & ~saw, saw & ~sees, tile.planes, &tile.used);
 }
 
 bool CoverSight::Adds(const std::vector<ScanTile>& scan, const CoverOptions& options) const {

@@ -15,7 +15,7 @@ struct CoverOptions {
   bool on = true;
   /// The dial.  A node is left out if no more than this share of the cells that it sees are news:
   /// have been seen by fewer than `views` nodes of the cover.  0: what adds a cell stays.
-  double news = 0.05;
+  double news = 0.04;
   int views =
       2;  ///< 1 .. 7: that each cell is to be seen by, so that transients are still voted out
   /// Whether what other robots have seen counts too, which goes beyond Algorithm 2.1.
@@ -27,8 +27,8 @@ struct CoverOptions {
 /// from there.
 class CoverSight {
  public:
-  /// A node of the cover is drawn anew; either may be empty.  Both in the order of their tiles.
-  void Replace(const std::vector<ScanTile>& before, const std::vector<ScanTile>& after);
+  /// What a node of the cover says of a tile, and what it says instead now.
+  void Replace(const ScanTile& before, const ScanTile& after);
   /// coverTest: whether a scan adds to what is seen.
   bool Adds(const std::vector<ScanTile>& scan, const CoverOptions& options) const;
 
@@ -41,6 +41,8 @@ class CoverSight {
     Tile tiles[kPageTiles];
   };
   PageGrid<std::unique_ptr<Page>> pages_;
+  Page* last_ = nullptr;  // the page that was written to last
+  TileIndex last_index_;
 };
 
 }  // namespace graticule

@@ -245,8 +245,8 @@ class LiveMap::Machine {
   double ErrorOf(const Slice& slice) const {
     double error = 0;
     for (const NodeId id : slice.nodes)
-      error = std::max(error,
-                       ProjectionError(nodes_[id].points, places_[id].drawn_at, places_[id].pose));
+      error = std::max(
+          error, ProjectionErrorAtMost(places_[id].reach, places_[id].drawn_at, places_[id].pose));
     return error;
   }
 
@@ -301,8 +301,7 @@ class LiveMap::Machine {
     for (std::thread& other : others) other.join();
     for (std::size_t i = 0; i < batch_.size(); ++i) {
       Node& node = nodes_[batch_[i]];
-      if (options_.method == MapMethod::kIncremental) grid_.Replace(node.drawing, fresh_[i]);
-      if (options_.cover.on) SightOf(node.robot).Replace(node.drawing, fresh_[i]);
+      Replace(node.robot, node.drawing, fresh_[i]);
       node.drawing.swap(fresh_[i]);
       places_[batch_[i]].drawn_at = places_[batch_[i]].pose;
     }
@@ -323,9 +322,7 @@ class LiveMap::Machine {
         JoinCover(next_);
         if (options_.method == MapMethod::kCoverComposite)
           DrawDense(&slices_[places_[next_].slice]);
-        else
-          grid_.Replace({}, node.drawing);
-        if (options_.cover.on) SightOf(node.robot).Replace({}, node.drawing);
+        Replace(node.robot, {}, node.drawing);
       }
       work_.Took(Elapsed() - started, grid_.DirtyTiles() - dirty);
     }
@@ -368,12 +365,25 @@ class LiveMap::Machine {
     for (const NodeId id : cover_) {
       Node& node = nodes_[id];
       rasterisers_[0].Draw(node.points, places_[id].pose, &candidate_);
-      grid_.Replace({}, candidate_);
       places_[id].drawn_at = places_[id].pose;
+      for (const ScanTile& tile : candidate_) grid_.Replace({tile.index, {}, {}}, tile);
       if (options_.method == MapMethod::kNaive || !options_.cover.on) continue;
-      SightOf(node.robot).Replace(node.drawing, candidate_);
+      CoverSight& sight = SightOf(node.robot);
+      ForEachDifference(node.drawing, candidate_,
+                        [&sight](const ScanTile& a, const ScanTile& b) { sight.Replace(a, b); });
       node.drawing.swap(candidate_);
     }
+  }
+
+  // What a node of the cover has drawn, in the map and in what the cover has seen.
+  void Replace(std::uint32_t robot, const std::vector<ScanTile>& before,
+               const std::vector<ScanTile>& after) {
+    const bool votes = options_.method != MapMethod::kCoverComposite;
+    CoverSight* sight = options_.cover.on ? &SightOf(robot) : nullptr;
+    ForEachDifference(before, after, [&](const ScanTile& a, const ScanTile& b) {
+      if (votes) grid_.Replace(a, b);
+      if (sight) sight->Replace(a, b);
+    });
   }
 
   void Publish(MapUpdate* update) {

@@ -45,7 +45,7 @@ struct StaleSlice {
   std::size_t slice = 0;
   std::uint32_t robot = 0;
   NodeId first = 0, last = 0;  ///< its nodes; others may lie between
-  double error = 0;            ///< cells, by how much its farthest beam is off
+  double error = 0;            ///< cells: no beam of its is farther off
 };
 
 /// What an update did.

@@ -40,6 +40,13 @@ bool ProjectionErrorExceeds(double limit, const ScanPoints& points,
   return ProjectionError(points, world_from_then, world_from_now) > limit;
 }
 
+double ProjectionErrorAtMost(double reach, const PlanarPose& world_from_then,
+                             const PlanarPose& world_from_now) {
+  const double turn = std::abs(WrappedAngle(world_from_now.yaw - world_from_then.yaw));
+  return std::hypot(world_from_now.x - world_from_then.x, world_from_now.y - world_from_then.y) +
+         2 * std::sin(turn / 2) * reach;
+}
+
 Bound ProjectionErrorBound(double limit, double reach, const PlanarPose& world_from_then,
                            const PlanarPose& world_from_now) {
   const double dx = world_from_now.x - world_from_then.x;

@@ -14,6 +14,10 @@ enum class Bound { kWithin, kBeyond, kOpen };
 Bound ProjectionErrorBound(double limit, double reach, const PlanarPose& world_from_then,
                            const PlanarPose& world_from_now);
 
+/// A bound from above, m.
+double ProjectionErrorAtMost(double reach, const PlanarPose& world_from_then,
+                             const PlanarPose& world_from_now);
+
 /// Whether it is more than `limit`.
 bool ProjectionErrorExceeds(double limit, const ScanPoints& points,
                             const PlanarPose& world_from_then, const PlanarPose& world_from_now);

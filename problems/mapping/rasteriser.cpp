@@ -29,25 +29,6 @@ CellBits Quarter(const std::uint64_t* rows, int quarter) {
 
 }  // namespace
 
-void Rasteriser::Draw(const ScanPoints& points, const PlanarPose& world_from_robot,
-                      std::vector<ScanTile>* tiles) {
-  tiles->clear();
-  if (points.Size() == 0) return;
-  PlaceBeams(points, world_from_robot);
-  for (const Beam *beam = beams_.data(), *last = beam + beams_.size(); beam != last;) {
-    std::ptrdiff_t fan = 1;
-    while (fan < kFan && fan < last - beam && beam[fan].up == beam->up) ++fan;
-    if (fan == kFan) {
-      DrawFan<kFan>(beam, 0);
-    } else {
-      fan = 1;
-      DrawFan<1>(beam, 0);
-    }
-    beam += fan;
-  }
-  Collect(tiles);
-}
-
 void Rasteriser::PlaceBeams(const ScanPoints& points, const PlanarPose& world_from_robot) {
   const std::size_t count = points.Size();
   const double c = cells_per_metre_ * std::cos(world_from_robot.yaw);
@@ -103,36 +84,48 @@ void Rasteriser::PlaceBeams(const ScanPoints& points, const PlanarPose& world_fr
   }
 }
 
-inline void Rasteriser::DrawRun(std::int32_t row, std::int64_t from, std::int64_t to) {
-  const auto first = static_cast<std::int32_t>(from >> 32);
-  const auto last = static_cast<std::int32_t>(to >> 32);
-  std::uint64_t* word = passed_.data() + static_cast<std::ptrdiff_t>(first >> 6) * height_ + row;
-  const std::uint64_t right_of = ~std::uint64_t{0} << (first & 63);
-  const std::uint64_t left_of = ~std::uint64_t{0} >> (63 - (last & 63));
-  int columns = (last >> 6) - (first >> 6);
-  if (columns == 0) {
-    *word |= right_of & left_of;
-    return;
+// What drawing needs of the window, in registers: the compiler must take it that what is drawn
+// might change members and beams, which have words of 64 bits too.
+struct Rasteriser::Canvas {
+  std::uint64_t* words;
+  std::ptrdiff_t height;  // of a column
+
+  void DrawRun(std::int32_t row, std::int64_t a, std::int64_t b) const {
+    const auto first = static_cast<std::int32_t>(std::min(a, b) >> 32);
+    const auto last = static_cast<std::int32_t>(std::max(a, b) >> 32);
+    std::uint64_t* word = words + (first >> 6) * height + row;
+    const std::uint64_t right_of = ~std::uint64_t{0} << (first & 63);
+    const std::uint64_t left_of = ~std::uint64_t{0} >> (63 - (last & 63));
+    int columns = (last >> 6) - (first >> 6);
+    if (columns == 0) {
+      *word |= right_of & left_of;
+      return;
+    }
+    *word |= right_of;
+    for (word += height; --columns > 0; word += height) *word = ~std::uint64_t{0};
+    *word |= left_of;
   }
-  *word |= right_of;
-  for (word += height_; --columns > 0; word += height_) *word = ~std::uint64_t{0};
-  *word |= left_of;
-}
+};
 
 template <int kCount>
-void Rasteriser::DrawFan(const Beam* begin, std::int32_t row) {
-  const auto from = [this](const Beam& beam, std::int32_t k) {
-    return k == 0 ? start_x_ : beam.first + (k - 1) * beam.slope;
-  };
+void Rasteriser::DrawFan(const Canvas& shared_canvas, const Beam* begin, std::int32_t row) {
+  const Canvas canvas = shared_canvas;
+  const std::int64_t start_x = start_x_;
   const std::int32_t step = begin->up ? 1 : -1;
+  std::int32_t place = start_row_ + step * row;
+  const auto from = [start_x](const Beam& beam, std::int32_t k) {
+    return k == 0 ? start_x : beam.first + (k - 1) * beam.slope;
+  };
   if constexpr (kCount == 1) {
-    std::int64_t x = from(*begin, row);
-    for (; row < begin->rows; ++row) {
-      const std::int64_t next = begin->first + row * begin->slope;
-      DrawRun(start_row_ + step * row, std::min(x, next), std::max(x, next));
+    const Beam beam = *begin;
+    std::int64_t x = from(beam, row), next = beam.first + row * beam.slope;
+    for (; row < beam.rows; ++row) {
+      canvas.DrawRun(place, x, next);
       x = next;
+      next += beam.slope;
+      place += step;
     }
-    DrawRun(start_row_ + step * row, std::min(x, begin->end_x), std::max(x, begin->end_x));
+    canvas.DrawRun(place, x, beam.end_x);
   } else {
     // Rows that all of them cross from edge to edge, and where no two neighbours are more than a
     // cell apart at the far edge: there their runs are one run, from the lowest slope's to the
@@ -148,16 +141,43 @@ void Rasteriser::DrawFan(const Beam* begin, std::int32_t row) {
       if (beam->slope > highest->slope) highest = beam;
     }
     constexpr std::int64_t kCell = std::int64_t{1} << 32;
-    if (apart > kCell)
-      shared = 0;
-    else if (shared > 1 && apart + (shared - 1) * spread > kCell)
-      shared = static_cast<std::int32_t>((kCell - apart) / spread) + 1;
-    for (; row < shared; ++row)
-      DrawRun(start_row_ + step * row, std::min(from(*lowest, row), from(*lowest, row + 1)),
-              std::max(from(*highest, row), from(*highest, row + 1)));
-    DrawFan<kCount / 2>(begin, row);
-    DrawFan<kCount / 2>(begin + kCount / 2, row);
+    if (row < shared && (apart += row * spread) <= kCell) {
+      const std::int64_t low_slope = lowest->slope, high_slope = highest->slope;
+      std::int64_t low = from(*lowest, row), next_low = lowest->first + row * low_slope;
+      std::int64_t high = from(*highest, row), next_high = highest->first + row * high_slope;
+      for (; row < shared && apart <= kCell; ++row) {
+        canvas.DrawRun(place, std::min(low, next_low), std::max(high, next_high));
+        low = next_low;
+        high = next_high;
+        next_low += low_slope;
+        next_high += high_slope;
+        apart += spread;
+        place += step;
+      }
+    }
+    DrawFan<kCount / 2>(canvas, begin, row);
+    DrawFan<kCount / 2>(canvas, begin + kCount / 2, row);
   }
+}
+
+void Rasteriser::Draw(const ScanPoints& points, const PlanarPose& world_from_robot,
+                      std::vector<ScanTile>* tiles) {
+  tiles->clear();
+  if (points.Size() == 0) return;
+  PlaceBeams(points, world_from_robot);
+  const Canvas canvas{passed_.data(), height_};
+  for (const Beam *beam = beams_.data(), *last = beam + beams_.size(); beam != last;) {
+    std::ptrdiff_t fan = 1;
+    while (fan < kFan && fan < last - beam && beam[fan].up == beam->up) ++fan;
+    if (fan == kFan) {
+      DrawFan<kFan>(canvas, beam, 0);
+    } else {
+      fan = 1;
+      DrawFan<1>(canvas, beam, 0);
+    }
+    beam += fan;
+  }
+  Collect(tiles);
 }
 
 void Rasteriser::Collect(std::vector<ScanTile>* tiles) {

@@ -15,10 +15,10 @@ struct ScanTile {
   CellBits hit;     ///< a beam ended here
 };
 
-/// Calls f(a's tile, b's tile) for each tile that either has, in order; where one has not, it has
-/// an empty one there.
+/// Calls f(a's tile, b's tile) for each tile that is not the same in both, in order; where one has
+/// none, an empty one stands for it.
 template <class F>
-void ForEachPair(const std::vector<ScanTile>& a, const std::vector<ScanTile>& b, F f) {
+void ForEachDifference(const std::vector<ScanTile>& a, const std::vector<ScanTile>& b, F f) {
   auto in_a = a.begin(), in_b = b.begin();
   while (in_a != a.end() || in_b != b.end()) {
     if (in_b == b.end() || (in_a != a.end() && in_a->index < in_b->index)) {
@@ -28,7 +28,9 @@ void ForEachPair(const std::vector<ScanTile>& a, const std::vector<ScanTile>& b,
       f(ScanTile{in_b->index, {}, {}}, *in_b);
       ++in_b;
     } else {
-      f(*in_a++, *in_b++);
+      if (in_a->passed != in_b->passed || in_a->hit != in_b->hit) f(*in_a, *in_b);
+      ++in_a;
+      ++in_b;
     }
   }
 }
@@ -58,10 +60,10 @@ class Rasteriser {
     std::int32_t rows;   // crossed before the one it ends in
     bool up;
   };
+  struct Canvas;
   void PlaceBeams(const ScanPoints& points, const PlanarPose& world_from_robot);
   template <int kCount>
-  void DrawFan(const Beam* begin, std::int32_t row);
-  void DrawRun(std::int32_t row, std::int64_t from, std::int64_t to);
+  void DrawFan(const Canvas& canvas, const Beam* begin, std::int32_t row);
   void Collect(std::vector<ScanTile>* tiles);
 
   double cells_per_metre_;

@@ -124,13 +124,11 @@ VoteTile& VoteGrid::Dirty(TileIndex tile) {
   return last_->tiles[PlaceInPage(tile)];
 }
 
-void VoteGrid::Replace(const std::vector<ScanTile>& before, const std::vector<ScanTile>& after) {
-  ForEachPair(before, after, [this](const ScanTile& old, const ScanTile& now) {
-    if (old.passed == now.passed && old.hit == now.hit) return;
-    VoteTile& tile = Dirty(now.index);
-    Count(now.passed & ~old.passed, old.passed & ~now.passed, tile.passes, &tile.pass_planes);
-    Count(now.hit & ~old.hit, old.hit & ~now.hit, tile.hits, &tile.hit_planes);
-  });
+void VoteGrid::Replace(const ScanTile& before, const ScanTile& after) {
+  VoteTile& tile = Dirty(after.index);
+  Count(after.passed & ~before.passed, before.passed & ~after.passed, tile.passes,
+        &tile.pass_planes);
+  Count(after.hit & ~before.hit, before.hit & ~after.hit, tile.hits, &tile.hit_planes);
 }
 
 void VoteGrid::Add(TileIndex index, const CellBits* passes, const CellBits* hits, int planes) {

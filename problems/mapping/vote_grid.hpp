@@ -34,9 +34,8 @@ class VoteGrid {
  public:
   explicit VoteGrid(const VoteRule& rule) : rule_(rule) {}
 
-  /// Takes a scan's votes back and gives others instead: exact, and tiles that say the same in both
-  /// are left alone.  Either may be empty; both in order of their tiles.
-  void Replace(const std::vector<ScanTile>& before, const std::vector<ScanTile>& after);
+  /// Takes what a scan said of a tile back, and says something else instead: exact.
+  void Replace(const ScanTile& before, const ScanTile& after);
   /// Adds counts given as planes.
   void Add(TileIndex tile, const CellBits* passes, const CellBits* hits, int planes);
   /// No votes at all; every tile that had some is dirty.

@@ -29,7 +29,7 @@ class WorkEstimate {
     const auto drawn = static_cast<double>(draw), taken = static_cast<double>(take);
     const double left = drawn * draw_ + taken * take_ +
                         publish_ * (static_cast<double>(dirty_tiles) + (drawn + taken) * dirty_);
-    return elapsed + kCaution * (left + kFixed) <= deadline;
+    return elapsed + kCaution * (left + kFixed) <= kUsable * deadline;
   }
   bool FitsNew(double elapsed, double deadline, std::size_t dirty_tiles) const {
     return Fits(elapsed, deadline, 0, 1, dirty_tiles);
@@ -37,10 +37,13 @@ class WorkEstimate {
 
  private:
   static constexpr double kCaution = 1.5;
+  static constexpr double kUsable = 0.9;
   static constexpr double kFixed = 50e-6;  // s: to copy the directory of pages and the report
-  // Follows what is slower at once, and what is quicker slowly.
+  // Follows what is slower quickly, and what is quicker slowly; but one step that was interrupted
+  // says little about the next.
   static void Learn(double value, double* average) {
-    *average = value > *average ? 0.5 * (value + *average) : 0.95 * *average + 0.05 * value;
+    value = std::min(value, 2 * *average);
+    *average = value > *average ? 0.5 * (value + *average) : 0.9 * *average + 0.1 * value;
   }
 
   // s a node drawn anew, a new node, a dirty tile; dirty tiles a node.
