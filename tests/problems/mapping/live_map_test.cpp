@@ -34,20 +34,20 @@ TEST(LiveMap, MapsARoom) {
   EXPECT_EQ(update.version, 1u);
   const auto seen = map.Map();
   const OccupancyGrid grid = seen->Grid();
-  EXPECT_EQ(grid.box.width, 41);
-  EXPECT_EQ(grid.box.height, 31);
-  EXPECT_DOUBLE_EQ(grid.OriginX(), 0);
-  EXPECT_EQ(grid.At(20, 0), CellLabel::kStructure);
-  EXPECT_EQ(grid.At(20, 15), CellLabel::kFree);
-  EXPECT_EQ(seen->AtPlace(2, 1.5), CellLabel::kFree);
-  EXPECT_EQ(seen->AtPlace(4.05, 1.5), CellLabel::kStructure);
-  EXPECT_EQ(seen->AtPlace(4.15, 1.5), CellLabel::kUnknown);
-  EXPECT_EQ(seen->AtPlace(NAN, 1e300), CellLabel::kUnknown);
+  EXPECT_EQ(grid.width, 41u);
+  EXPECT_EQ(grid.height, 31u);
+  EXPECT_DOUBLE_EQ(grid.map_from_grid.x, 0);
+  EXPECT_EQ(grid.At(20, 0), Occupancy::kStructure);
+  EXPECT_EQ(grid.At(20, 15), Occupancy::kFree);
+  EXPECT_EQ(seen->AtPlace(2, 1.5), Occupancy::kFree);
+  EXPECT_EQ(seen->AtPlace(4.05, 1.5), Occupancy::kStructure);
+  EXPECT_EQ(seen->AtPlace(4.15, 1.5), Occupancy::kUnknown);
+  EXPECT_EQ(seen->AtPlace(NAN, 1e300), Occupancy::kUnknown);
   // Behind walls all around there is no frontier but at the corners, which no beam ends in.
   EXPECT_LE(update.change.frontier_came.size(), 8u);
   // All that is known has flipped from unknown.
   std::size_t known = 0;
-  for (const CellLabel cell : grid.cells) known += cell != CellLabel::kUnknown;
+  for (const Occupancy cell : grid.cells) known += cell != Occupancy::kUnknown;
   EXPECT_EQ(update.change.flips.size(), known);
   EXPECT_EQ(seen->ChangedSince(0), update.change.changed_tiles);
   EXPECT_TRUE(seen->ChangedSince(1).empty());
@@ -64,21 +64,21 @@ TEST(LiveMap, WhatPassedThroughVanishesByTheVote) {
   const PlanarPose pose{2.05, 1.55, 0};
   for (int i = 0; i < 2; ++i) map.AddNode(0, laser, person, pose);
   map.Update();
-  EXPECT_EQ(map.Map()->AtPlace(3.05, 1.55), CellLabel::kStructure);
+  EXPECT_EQ(map.Map()->AtPlace(3.05, 1.55), Occupancy::kStructure);
   // Two hits outweigh five passes, but not six.
   for (int i = 0; i < 5; ++i) map.AddNode(0, laser, empty, pose);
   map.Update();
-  EXPECT_EQ(map.Map()->AtPlace(3.05, 1.55), CellLabel::kStructure);
+  EXPECT_EQ(map.Map()->AtPlace(3.05, 1.55), Occupancy::kStructure);
   map.AddNode(0, laser, empty, pose);
   const MapUpdate update = map.Update();
-  EXPECT_EQ(map.Map()->AtPlace(3.05, 1.55), CellLabel::kFree);
+  EXPECT_EQ(map.Map()->AtPlace(3.05, 1.55), Occupancy::kFree);
   EXPECT_TRUE(map.Map()->IsRemoved(30, 15));
   EXPECT_FALSE(map.Map()->IsRemoved(25, 15));
-  EXPECT_EQ(map.Map()->AtPlace(4.05, 1.55), CellLabel::kStructure);
+  EXPECT_EQ(map.Map()->AtPlace(4.05, 1.55), Occupancy::kStructure);
   bool flipped = false;
   for (const CellFlip& flip : update.change.flips)
-    flipped |= flip.cell.x == 30 && flip.cell.y == 15 && flip.from == CellLabel::kStructure &&
-               flip.to == CellLabel::kFree;
+    flipped |= flip.cell.x == 30 && flip.cell.y == 15 && flip.from == Occupancy::kStructure &&
+               flip.to == Occupancy::kFree;
   EXPECT_TRUE(flipped);
 }
 
@@ -201,7 +201,7 @@ TEST(LiveMap, ReadersKeepTheirVersion) {
   EXPECT_EQ(before->Grid().cells, grid.cells);
   EXPECT_EQ(before->Version(), 1u);
   EXPECT_EQ(map.Map()->Version(), 2u);
-  EXPECT_EQ(map.Map()->AtPlace(2.05, 1.55), CellLabel::kUnknown);
+  EXPECT_EQ(map.Map()->AtPlace(2.05, 1.55), Occupancy::kUnknown);
   // Nothing changed: nothing is published.
   const auto same = map.Map();
   map.UpdatePose(0, {30.01, 30, 1});
@@ -217,7 +217,7 @@ TEST(LiveMap, IsReadByOtherThreadsWhileItIsUpdated) {
   map.Update();
   const auto count = [](const OccupancyMap& seen) {
     const OccupancyGrid grid = seen.Grid();
-    return std::count(grid.cells.begin(), grid.cells.end(), CellLabel::kStructure);
+    return std::count(grid.cells.begin(), grid.cells.end(), Occupancy::kStructure);
   };
   const auto cells = count(*map.Map());
   std::atomic<bool> done{false};

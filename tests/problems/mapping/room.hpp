@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "graticule/problems/mapping/agreement.hpp"
 #include "graticule/problems/mapping/live_map.hpp"
+#include "graticule/problems/mapping/map_error.hpp"
 
 namespace graticule::test {
 
