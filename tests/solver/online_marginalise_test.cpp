@@ -41,7 +41,7 @@ void ExpectNear(const Numbers& a, const Numbers& b, double tolerance, const std:
 void ExpectAsIn(const Graph& whole, const std::vector<Key>& keys, const Online& online,
                 double tolerance) {
   SolveOptions options;
-  options.function_tolerance = options.parameter_tolerance = options.gradient_tolerance = 1e-15;
+  options.function_tolerance = options.parameter_tolerance = options.gradient_tolerance = 1e-20;
   const Solution solution = Solve(whole, options);
   const auto found = ComputeMarginals(whole, solution.values, keys, false);
   const auto& marginals = std::get<Marginals>(found);
@@ -108,13 +108,15 @@ TEST(OnlineMarginalise, MakesAFixedLagSmootherExactWhereTheProblemIsLinear) {
 }
 
 TEST(OnlineMarginalise, ChangesNothingWhereThePosesAre) {
+  // A minimiser knows a minimum to about the root of its objective's rounding.
+  constexpr double kNear = 1e-7;
   for (const bool planar : {true, false}) {
     const Graph graph =
         planar ? WithChords(Se2Loop(40, 0.02, 0.02), true) : Se3Loop(30, 0.02, 0.02);
     const char* family = planar ? "pose" : "body";
     OnlineOptions options;
     options.solve.function_tolerance = options.solve.gradient_tolerance =
-        options.solve.parameter_tolerance = 1e-15;
+        options.solve.parameter_tolerance = 1e-20;
     Online online(TestTypes(), options);
     Replay(graph, &online);
     online.UpdateExactly();
@@ -125,10 +127,10 @@ TEST(OnlineMarginalise, ChangesNothingWhereThePosesAre) {
     online.Marginalise(gone);
     online.Update();
     const auto count = static_cast<unsigned>(graph.VariableCount());
-    ExpectAsIn(whole, Keys(family, 17, count), online, 1e-9);
+    ExpectAsIn(whole, Keys(family, 17, count), online, kNear);
     EXPECT_EQ(At(*online.Latest(), gone[2]), left_there);
     online.UpdateExactly();
-    ExpectAsIn(whole, Keys(family, 17, count), online, 1e-9);
+    ExpectAsIn(whole, Keys(family, 17, count), online, kNear);
     EXPECT_EQ(online.Problem().VariableCount(), count - 14);
     EXPECT_TRUE(online.Problem().IsFixed(0)) << "what holds the frame is fixed for good";
     EXPECT_EQ(At(*online.Latest(), gone[2]), left_there);
