@@ -4,23 +4,12 @@
 #include <memory>
 #include <vector>
 
+#include "graticule/problems/mapping/live_map_options.hpp"
 #include "graticule/problems/mapping/page_grid.hpp"
 #include "graticule/problems/mapping/rasteriser.hpp"
 #include "graticule/problems/mapping/votes.hpp"
 
 namespace graticule {
-
-/// Which nodes' scans the map is made of (thesis section 2.4).
-struct CoverOptions {
-  bool on = true;
-  /// The dial.  A node is left out if no more than this share of the cells that it sees are news:
-  /// have been seen by fewer than `views` nodes of the cover.  0: what adds a cell stays.
-  double news = 0.04;
-  int views =
-      2;  ///< 1 .. 7: that each cell is to be seen by, so that transients are still voted out
-  /// Whether what other robots have seen counts too, which goes beyond Algorithm 2.1.
-  bool across_robots = false;
-};
 
 /// By how many nodes of a cover each cell was seen: what coverTest of Algorithm 2.1, line 3, asks.
 /// Field of view and position are compared by what they are compared for, the cells that are seen

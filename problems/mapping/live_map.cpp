@@ -8,8 +8,12 @@
 #include <string>
 #include <thread>
 
+#include "graticule/problems/mapping/cover.hpp"
 #include "graticule/problems/mapping/dense_slice.hpp"
 #include "graticule/problems/mapping/projection_error.hpp"
+#include "graticule/problems/mapping/rasteriser.hpp"
+#include "graticule/problems/mapping/scan_points.hpp"
+#include "graticule/problems/mapping/votes.hpp"
 #include "graticule/problems/mapping/work_estimate.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -17,33 +21,9 @@ namespace graticule {
 namespace {
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-constexpr double kMaxRangeInCells = 8192;
 constexpr std::size_t kMaxVotes = (std::size_t{1} << VoteTile::kPlanes) - 1;
 // Below so many nodes a thread costs more than it brings (it takes some 30 us to begin and end).
 constexpr std::size_t kNodesWorthAThread = 24;
-
-void Check(bool good, const std::string& expected, double found) {
-  if (!good)
-    throw Error("live map: expected " + expected + ", found " + Shown(found), ErrorKind::kUsage);
-}
-
-void CheckOptions(const LiveMapOptions& options) {
-  CheckVoteRule(options.votes);
-  Check(options.resolution > 0 && std::isfinite(options.resolution), "a resolution above 0",
-        options.resolution);
-  Check(options.ranges.max_range > 0 &&
-            options.ranges.max_range <= kMaxRangeInCells * options.resolution,
-        "a max_range above 0 and of at most 8192 cells", options.ranges.max_range);
-  Check(options.slice_size > 0, "a slice_size of 1 or more",
-        static_cast<double>(options.slice_size));
-  Check(options.regenerate_above >= 0, "regenerate_above of 0 cells or more",
-        options.regenerate_above);
-  Check(options.cover.news >= 0 && options.cover.news <= 1, "cover.news from 0 to 1",
-        options.cover.news);
-  Check(options.cover.views >= 1 && options.cover.views <= 7, "cover.views from 1 to 7",
-        options.cover.views);
-  Check(options.threads >= 1 && options.threads <= 256, "threads from 1 to 256", options.threads);
-}
 
 }  // namespace
 
@@ -421,7 +401,7 @@ class LiveMap::Machine {
 };
 
 LiveMap::LiveMap(const LiveMapOptions& options) {
-  CheckOptions(options);
+  CheckLiveMapOptions(options);
   machine_ = std::make_unique<Machine>(options);
 }
 LiveMap::~LiveMap() = default;

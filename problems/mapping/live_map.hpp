@@ -7,36 +7,11 @@
 #include <vector>
 
 #include "graticule/io/laser_log.hpp"
-#include "graticule/problems/mapping/cover.hpp"
+#include "graticule/problems/mapping/live_map_options.hpp"
 #include "graticule/problems/mapping/occupancy_map.hpp"
-#include "graticule/problems/mapping/rasteriser.hpp"
 #include "graticule/problems/mapping/vote_grid.hpp"
-#include "graticule/problems/mapping/votes.hpp"
 
 namespace graticule {
-
-/// How a map is made from the graph's nodes.  All draw, vote and label alike (thesis Table 2.1).
-enum class MapMethod {
-  kNaive,           ///< all nodes, at every update
-  kNaiveCover,      ///< the cover's nodes, at every update
-  kCoverComposite,  ///< Algorithm 2.1: slices drawn when they moved, all composited at every update
-  kIncremental,     ///< slices that moved are taken out of the map and put back in: nothing else
-};
-
-struct LiveMapOptions {
-  MapMethod method = MapMethod::kIncremental;
-  double resolution = 0.1;  ///< m, a cell's side
-  RangeUse ranges;
-  /// Sequential nodes of a robot that are drawn anew together (section 2.3).
-  std::size_t slice_size = 4;
-  /// Cells.  A slice is drawn anew when the end of one of its beams, or its laser, is farther than
-  /// this from where it was when the slice was drawn last.
-  double regenerate_above = 1;
-  CoverOptions cover;
-  VoteRule votes;
-  /// That draw slices, kIncremental only.  The map is the same for any number.
-  int threads = 1;
-};
 
 using NodeId = std::uint32_t;
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "graticule/io/laser_log.hpp"
+#include "graticule/problems/mapping/live_map_options.hpp"
 
 namespace graticule {
 
@@ -16,15 +17,6 @@ struct ScanPoints {
   double reach = 0;                ///< m, from the robot's origin to the farthest of these places
 
   std::size_t Size() const { return x.size(); }
-};
-
-/// Which readings count, and how far.
-struct RangeUse {
-  /// m; a longer beam passes what lies nearer, and hits nothing.
-  double max_range = 25;
-  /// Whether a beam that did not return passes the cells up to max_range.  Off: dark and slanting
-  /// surfaces and glass do not return either, and would be cleared away.
-  bool clear_no_return = false;
 };
 
 /// Makes ScanPoints; remembers the directions of the beams of the geometry that it saw last.

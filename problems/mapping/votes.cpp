@@ -2,15 +2,10 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <string>
-
-#include "graticule/solver/error.hpp"
 
 namespace graticule {
 namespace {
 
-constexpr int kMaxWeight = 15;
-constexpr int kMaxConstant = 1 << 20;
 // A weighted count plus a constant.
 constexpr unsigned kSumPlanes = VoteTile::kPlanes + 6;
 
@@ -58,7 +53,8 @@ void Weigh(const CellBits* counts, unsigned planes, unsigned weight, unsigned sa
 
 // Where a >= b + constant.
 CellBits AtLeast(const Sum& a, const Sum& b, int constant) {
-  if (constant != 0) {
+  // a >= b + 1 is a > b: nothing to add for the usual rule.
+  if (constant != 0 && constant != 1) {
     Sum raised;
     const Sum& from = constant > 0 ? b : a;
     raised.used = from.used;
@@ -66,7 +62,7 @@ CellBits AtLeast(const Sum& a, const Sum& b, int constant) {
     AddConstant(static_cast<unsigned>(std::abs(constant)), &raised);
     return constant > 0 ? AtLeast(a, raised, 0) : AtLeast(raised, b, 0);
   }
-  CellBits at_least = ~CellBits();
+  CellBits at_least = constant == 0 ? ~CellBits() : CellBits();
   for (unsigned i = 0; i < std::max(a.used, b.used); ++i) {
     const CellBits in_a = i < a.used ? a.planes[i] : CellBits();
     const CellBits differ = i < b.used ? in_a ^ b.planes[i] : in_a;
@@ -75,26 +71,7 @@ CellBits AtLeast(const Sum& a, const Sum& b, int constant) {
   return at_least;
 }
 
-void Refuse(const char* what, int found, const char* expected) {
-  throw Error(std::string("map votes: expected ") + what + " " + expected + ", found " +
-                  std::to_string(found),
-              ErrorKind::kUsage);
-}
-
 }  // namespace
-
-void CheckVoteRule(const VoteRule& rule) {
-  if (rule.hit_votes < 1 || rule.hit_votes > kMaxWeight)
-    Refuse("hit_votes", rule.hit_votes, "from 1 to 15");
-  if (rule.pass_votes < 1 || rule.pass_votes > kMaxWeight)
-    Refuse("pass_votes", rule.pass_votes, "from 1 to 15");
-  for (const int constant : {rule.bias, rule.structure_from, rule.free_to})
-    if (constant < -kMaxConstant || constant > kMaxConstant)
-      Refuse("a bias or threshold", constant, "within a million");
-  if (rule.free_to >= rule.structure_from) Refuse("free_to", rule.free_to, "below structure_from");
-  if (rule.saturation < 0 || (rule.saturation & (rule.saturation + 1)) != 0)
-    Refuse("saturation", rule.saturation, "2^n - 1, or 0");
-}
 
 void CountAll(const CellBits* plus, int plus_planes, CellBits* planes, std::uint8_t* used) {
   CellBits carry;

@@ -3,29 +3,9 @@
 #include <cstdint>
 
 #include "graticule/problems/mapping/cell_bits.hpp"
+#include "graticule/problems/mapping/live_map_options.hpp"
 
 namespace graticule {
-
-/// How a cell's hits and passes become a label (thesis section 2.5): every scan that ends a beam in
-/// the cell, or passes it, is a vote of fixed log odds, as integers.
-///   score = hit_votes * hits - pass_votes * passes + bias
-/// structure where score >= structure_from; free where the cell was seen and score <= free_to;
-/// unknown elsewhere.
-struct VoteRule {
-  int hit_votes = 3;   ///< 1 .. 15
-  int pass_votes = 1;  ///< 1 .. 15
-  /// The designer's bias: above 0 resists misalignment (walls stay), below 0 clears doorways
-  /// sooner.
-  int bias = 0;
-  int structure_from = 1;
-  int free_to = 0;  ///< below structure_from
-  /// Hits, and passes, beyond this many of a cell are not counted when it is labelled; the counts
-  /// themselves stay exact.  2^n - 1; 0: no limit.
-  int saturation = 0;
-};
-
-/// Throws Error: a weight, limit or threshold out of range.
-void CheckVoteRule(const VoteRule& rule);
 
 /// Exact counts of a tile's cells, in bit planes: bit i of every cell's count is in plane i, so
 /// that 256 counters are added to at once.
