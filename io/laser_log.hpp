@@ -29,7 +29,8 @@ struct LaserScan {
   std::size_t line = 0;  ///< of the file it was read from; 0: none
 };
 
-/// Recorded sweeps of one or several robots.  Of each robot, times do not go backwards.
+/// Recorded sweeps of one or several robots.  Of each robot, in the order in which they were taken:
+/// times rise, but for the jitter of the clock that they were logged with (of intel, 0.9 s).
 struct LaserLog {
   std::vector<std::string> robots;  ///< names; key families of their poses
   std::vector<LaserGeometry> geometries;

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "graticule/io/laser_log.hpp"
+
+namespace graticule {
+
+/// A point that a laser saw, and how the surface lies there.
+struct SurfacePoint {
+  float x = 0, y = 0;    ///< m
+  float nx = 0, ny = 0;  ///< unit normal of the surface, towards the laser; zero: not known
+};
+
+struct SurfaceOptions {
+  double min_range = 0.15;  ///< m; nearer readings are the robot itself, or 0 for "nothing"
+  double max_range = 30;    ///< m; readings from there on are not used
+  double spacing = 0.04;    ///< m; points along a surface are thinned to this
+};
+
+/// What a scan saw, in its robot's frame.  Readings at or above the laser's own largest range saw
+/// nothing.  A normal is that of the line through the neighbours along the sweep, where these lie
+/// close together and on a line.  Points where a beam grazes an edge, between two surfaces, are
+/// left out.
+std::vector<SurfacePoint> SurfacePoints(const LaserLog& log, const LaserScan& scan,
+                                        const SurfaceOptions& options = {});
+
+/// Adds the points, seen from another frame, to `to`.
+void AppendTransformed(const std::vector<SurfacePoint>& points, const PlanarPose& frame,
+                       std::vector<SurfacePoint>* to);
+
+}  // namespace graticule
