@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "graticule/factors/builtins.hpp"
 #include "graticule/io/carmen.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/relations.hpp"
@@ -13,28 +14,29 @@
 
 using namespace graticule;
 
-static void Draw(const std::vector<TrackNode>& nodes, const std::string& path) {
+static void Draw(const LaserLog& log, const Mission& m, const std::string& path) {
   double lx = 1e9, ly = 1e9, hx = -1e9, hy = -1e9;
-  for (const auto& n : nodes) {
-    lx = std::min(lx, n.pose.x), ly = std::min(ly, n.pose.y);
-    hx = std::max(hx, n.pose.x), hy = std::max(hy, n.pose.y);
+  for (const auto& n : m.world_from_node) {
+    lx = std::min(lx, n.x), ly = std::min(ly, n.y);
+    hx = std::max(hx, n.x), hy = std::max(hy, n.y);
   }
   lx -= 10, ly -= 10, hx += 10, hy += 10;
-  const double k = 1600 / std::max(hx - lx, hy - ly);
+  const double k = 2000 / std::max(hx - lx, hy - ly);
   Svg svg((hx - lx) * k, (hy - ly) * k);
   PathData dots(1), line(1);
   bool first = true;
-  for (const auto& n : nodes) {
+  for (std::size_t i = 0; i < m.nodes.size(); ++i) {
     std::vector<SurfacePoint> w;
-    AppendTransformed(n.points, n.pose, &w);
-    for (std::size_t i = 0; i < w.size(); i += 3)
-      dots.Dot((static_cast<double>(w[i].x) - lx) * k, (hy - static_cast<double>(w[i].y)) * k);
-    if (first) line.MoveTo((n.pose.x - lx) * k, (hy - n.pose.y) * k);
-    else line.LineTo((n.pose.x - lx) * k, (hy - n.pose.y) * k);
+    AppendTransformed(SurfacePoints(log, log.scans[m.nodes[i].scan]), m.world_from_node[i], &w);
+    for (std::size_t j = 0; j < w.size(); j += 4)
+      dots.Dot((static_cast<double>(w[j].x) - lx) * k, (hy - static_cast<double>(w[j].y)) * k);
+    const auto& p = m.world_from_node[i];
+    if (first) line.MoveTo((p.x - lx) * k, (hy - p.y) * k);
+    else line.LineTo((p.x - lx) * k, (hy - p.y) * k);
     first = false;
   }
-  svg.Path(dots, {{"stroke", "#222"}, {"stroke-width", "0.8"}, {"stroke-linecap", "round"}, {"fill", "none"}});
-  svg.Path(line, {{"stroke", "#d33"}, {"stroke-width", "1"}, {"fill", "none"}});
+  svg.Path(dots, {{"stroke", "#222"}, {"stroke-width", "0.6"}, {"stroke-linecap", "round"}, {"fill", "none"}});
+  svg.Path(line, {{"stroke", "#d33"}, {"stroke-width", "0.7"}, {"fill", "none"}});
   WriteFile(path, PngFromSvg(svg.Finish(), 1600));
 }
 
@@ -53,6 +55,10 @@ static void Print(const char* label, const RelationError& e, double s) {
 int main(int argc, char** argv) {
   setvbuf(stdout, nullptr, _IOLBF, 0);
   FrontEndOptions o;
+  if (getenv("LN")) o.local_nodes = atoi(getenv("LN"));
+  if (getenv("SP")) o.point_spacing = atof(getenv("SP"));
+  if (getenv("MR")) o.max_range = atof(getenv("MR"));
+  if (getenv("ND")) o.node_distance = atof(getenv("ND"));
   for (int i = 1; i < argc; ++i) {
     const std::string set = argv[i];
     const std::string base = std::string(GRATICULE_DATA_DIR) + "/mapping/kuemmerle/" + set;
@@ -65,16 +71,21 @@ int main(int argc, char** argv) {
     for (auto& s : log.scans) odom.push_back({s.time, s.odom_from_robot});
     Print("odometry", CompareWithRelations(odom, rel), 0);
     watch.Restart();
-    const auto track = FollowScans(log, o);
-    const auto& nodes = track.nodes;
-    const double s = watch.Elapsed().cpu;
-    fmt::print("{} nodes {:.3f} ms/scan\n", nodes.size(), s * 1e3 / double(log.scans.size()));
-    const auto poses = ScanPoses(log, track.scan_poses);
-    Print("sequential", CompareWithRelations(poses, rel), s);
+    const Mission mission = BuildMission(log, Builtins(), o);
+    const double s = watch.Elapsed().wall;
+    const auto& r = mission.report;
+    fmt::print("{} nodes, {} searches, {} found, {} rejected, {} overlaps; follow {:.2f} close {:.2f} refine {:.2f} s cpu {:.2f}\n", r.nodes, r.searches, r.found, r.rejected, r.overlaps, r.seconds_follow, r.seconds_close, r.seconds_refine, watch.Elapsed().cpu);
+    const auto poses = ScanPoses(log, mission.world_from_scan);
+    Print("all", CompareWithRelations(poses, rel), s);
     std::vector<PoseRelation> shorts;
-    for (auto& r : rel) if (std::abs(r.time_b - r.time_a) < 15) shorts.push_back(r);
+    for (auto& q : rel) if (std::abs(q.time_b - q.time_a) < 15) shorts.push_back(q);
+    if (getenv("DUMP")) {
+      FILE* f = fopen(("/tmp/mapfront_poses_" + set + ".txt").c_str(), "w");
+      for (std::size_t i = 0; i < poses.size(); ++i) fprintf(f, "%.6f %.6f %.6f %.6f %.6f %.6f %.6f\n", poses[i].time, poses[i].world_from_robot.x, poses[i].world_from_robot.y, poses[i].world_from_robot.yaw, odom[i].world_from_robot.x, odom[i].world_from_robot.y, odom[i].world_from_robot.yaw);
+      fclose(f);
+    }
     Print("short odom", CompareWithRelations(odom, shorts), s);
     Print("short", CompareWithRelations(poses, shorts), s);
-    Draw(nodes, "/tmp/mapfront_" + set + ".png");
+    Draw(log, mission, "/tmp/mapfront_" + set + ".png");
   }
 }

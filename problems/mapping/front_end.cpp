@@ -2,83 +2,194 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
-#include "graticule/problems/mapping/point_refine.hpp"
-#include "graticule/problems/mapping/scan_match.hpp"
+#include "graticule/factors/make.hpp"
+#include "graticule/problems/mapping/loop_search.hpp"
+#include "graticule/problems/mapping/pose_noise.hpp"
+#include "graticule/problems/mapping/scan_track.hpp"
+#include "graticule/problems/pose_graph/robustify.hpp"
+#include "graticule/solver/stopwatch.hpp"
 
 namespace graticule {
+namespace {
 
-Track FollowScans(const LaserLog& log, const FrontEndOptions& options) {
-  Track track;
-  auto& nodes = track.nodes;
-  LikelihoodGrid grid(0.05, 0.07);
-  CorrelativeMatcher matcher;
-  PointIndex index;
-  std::vector<SurfacePoint> reference;
-  const auto add = [&](std::size_t scan, const PlanarPose& pose, std::vector<SurfacePoint> points) {
-    TrackNode node;
-    node.scan = scan;
-    node.pose = pose;
-    node.points = std::move(points);
-    nodes.push_back(std::move(node));
-    // reference in the frame of the last node
-    reference.clear();
-    const std::size_t first = nodes.size() - std::min<std::size_t>(nodes.size(), static_cast<std::size_t>(options.local_nodes));
-    for (std::size_t k = nodes.size(); k-- > first;)
-      AppendTransformed(nodes[k].points, Inverse(pose) * nodes[k].pose, &reference);
-    grid.Build(reference, 0, 0, options.surface.max_range + 1);
-    index.Build(reference);
-  };
-  PlanarPose odom, pose;
-  std::size_t still = 0;
-  for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    const LaserScan& scan = log.scans[i];
-    if (nodes.empty()) {
-      odom = scan.odom_from_robot;
-      add(i, {}, SurfacePoints(log, scan, options.surface));
-      track.scan_poses.push_back(pose);
-      continue;
+class Builder {
+ public:
+  Builder(const LaserLog& log, const Registry& types, const FrontEndOptions& options,
+          const FrontEndObserver& watch)
+      : log_(log), options_(options), watch_(watch), mission_(types) {}
+
+  Mission Build() {
+    if (log_.scans.empty()) throw Error("there is no scan in this log");
+    Stopwatch watch;
+    Follow();
+    AddChain();
+    mission_.report.seconds_follow = watch.Lap().wall;
+    LoopSearch search(nodes_, options_);
+    Close(&search);
+    mission_.report.seconds_close = watch.Lap().wall;
+    Refine(&search);
+    PlaceScans();
+    mission_.report.seconds_refine = watch.Lap().wall;
+    return std::move(mission_);
+  }
+
+ private:
+  void Tell(const std::string& stage, double done) const {
+    if (watch_) watch_(stage, done);
+  }
+
+  void Follow() {
+    for (std::uint32_t robot = 0; robot < log_.robots.size(); ++robot) {
+      Track track = FollowScans(log_, robot, options_, [&](double done) {
+        Tell("following " + log_.robots[robot], done);
+      });
+      first_node_.push_back(nodes_.size());
+      for (TrackNode& node : track.nodes) nodes_.push_back(std::move(node));
+      track.nodes.clear();
+      tracks_.push_back(std::move(track));
     }
-    const PlanarPose moved = Inverse(odom) * scan.odom_from_robot;
-    odom = scan.odom_from_robot;
-    const double d = std::hypot(moved.x, moved.y), turn = std::abs(moved.yaw);
-    still = d < 1e-3 && turn < 1e-3 ? still + 1 : 0;
-    if (still > 3) {
-      pose = pose * moved;
-      track.scan_poses.push_back(pose);
-      continue;
+    first_node_.push_back(nodes_.size());
+    for (const TrackNode& node : nodes_) poses_.push_back(node.pose);
+    mission_.report.scans = log_.scans.size();
+    mission_.report.nodes = nodes_.size();
+  }
+
+  // Poses, dead reckoning and matches along each robot's way.
+  void AddChain() {
+    Graph& graph = mission_.graph;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const TrackNode& node = nodes_[i];
+      const Key key(log_.robots[node.robot], i - first_node_[node.robot]);
+      mission_.nodes.push_back({key, node.scan});
+      graph.Add(key, "se2/1", {node.pose.x, node.pose.y, node.pose.yaw}, i == 0);
     }
-    std::vector<SurfacePoint> points = SurfacePoints(log, scan, options.surface);
-    const double sigma = 0.02 + options.odometry_sigma_m * d + options.odometry_sigma_turn_m * turn;
-    const double sigma_yaw =
-        0.03 + options.odometry_sigma_rad * turn + options.odometry_sigma_m_rad * d;
-    const PlanarPose last = nodes.back().pose;
-    SearchWindow window;
-    window.guess = Inverse(last) * pose * moved;
-    window.reach = std::min(std::max(0.2, 3 * sigma), 1.5);
-    window.reach_yaw = std::min(std::max(0.2, 4 * sigma_yaw), 0.8);
-    window.sigma = sigma;
-    window.sigma_yaw = sigma_yaw;
-    Match match;
-    match.reference_from_scan = window.guess;
-    matcher.Search(grid, points, window, 0, &match);
-    Eigen::Matrix3d prior = Eigen::Matrix3d::Zero();
-    prior.diagonal() << 1 / (sigma * sigma), 1 / (sigma * sigma), 1 / (sigma_yaw * sigma_yaw);
-    const Refinement refined = RefineOnPoints(index, points, match.reference_from_scan, window.guess,
-                                              prior, 0.03);
-    const PlanarPose& in_last = refined.reference_from_scan;
-    pose = last * in_last;
-    track.scan_poses.push_back(pose);
-    if (std::hypot(in_last.x, in_last.y) >= options.node_distance ||
-          std::abs(in_last.yaw) >= options.node_turn) {
-      add(i, pose, std::move(points));
-      nodes.back().information = refined.information;
-      nodes.back().matched = refined.matched;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const TrackNode& node = nodes_[i];
+      if (node.is_first) continue;
+      const MotionSigmas sigmas = SigmasOf(node.odometry_step, options_);
+      AddBetween(i - 1, i, node.odometry_step,
+                 Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}), "odometry");
+      AddBetween(i - 1, i, node.match_step, InformationNoise(MatchInformation(node, options_)),
+                 "scan");
+    }
+    chain_factors_ = graph.FactorCount();
+  }
+
+  void AddBetween(std::size_t a, std::size_t b, const PlanarPose& a_from_b, Noise noise,
+                  const char* source) {
+    mission_.graph.Add(BetweenSe2Factor(mission_.nodes[a].key, mission_.nodes[b].key,
+                                        {a_from_b.x, a_from_b.y, a_from_b.yaw}, std::move(noise),
+                                        source));
+  }
+
+  Graph WithClosures(const std::vector<Closure>& closures) {
+    Graph before = mission_.graph;
+    for (const Closure& closure : closures)
+      AddBetween(closure.a, closure.b, closure.a_from_b, InformationNoise(closure.information),
+                 "loop");
+    std::swap(before, mission_.graph);
+    return before;
+  }
+
+  void TakePoses(const Values& values) {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const Span<const double> value = values.At(mission_.nodes[i].key);
+      poses_[i] = {value[0], value[1], value[2]};
+    }
+    mission_.graph.SetValues(values);
+  }
+
+  void Close(LoopSearch* search) {
+    std::vector<Closure> suspects;
+    for (int round = 0; round < options_.closure_rounds; ++round) {
+      Tell("closing loops", static_cast<double>(round) / options_.closure_rounds);
+      const std::vector<Closure> found = search->Search(poses_, believed_);
+      if (found.empty()) break;
+      suspects.insert(suspects.end(), found.begin(), found.end());
+      const Graph graph = WithClosures(suspects);
+      RejectionOptions rejection;
+      rejection.reject_outliers = Rejection::kGncTls;
+      rejection.trusted_sources = "odometry,scan";
+      const RobustSolution robust = SolveWithoutOutliers(graph, rejection, options_.solve);
+      believed_.clear();
+      for (std::size_t i = 0; i < suspects.size(); ++i)
+        if (robust.is_kept[chain_factors_ + i]) believed_.push_back(suspects[i]);
+      TakePoses(robust.solution.values);
+      ++mission_.report.rounds;
+      if (getenv("DBG"))
+        printf("round %d found %zu of %zu searches, suspects %zu kept %zu  gnc %.2f s cost %.1f\n", round, found.size(), search->Searches(),
+               suspects.size(), believed_.size(), robust.rejection.seconds, robust.solution.report.final_cost);
+    }
+    mission_.report.searches = search->Searches();
+    mission_.report.found = suspects.size();
+    mission_.report.rejected = suspects.size() - believed_.size();
+  }
+
+  void Refine(LoopSearch* search) {
+    std::vector<Closure> overlaps;
+    for (int round = 0; round < options_.overlap_rounds; ++round) {
+      Tell("refining", static_cast<double>(round) / options_.overlap_rounds);
+      overlaps = search->Overlaps(poses_);
+      std::vector<Closure> all = believed_;
+      all.insert(all.end(), overlaps.begin(), overlaps.end());
+      Graph graph = WithClosures(all);
+      for (auto id = static_cast<FactorId>(chain_factors_); id < graph.FactorCount(); ++id)
+        graph.SetLoss(id, Loss{LossKind::kCauchy, 1.0});
+      const Solution solution = Solve(graph, options_.solve);
+      if (getenv("DBG"))
+        printf("overlaps %zu cost %.1f -> %.1f\n", overlaps.size(), solution.report.initial_cost, solution.report.final_cost);
+      TakePoses(solution.values);
+      if (round + 1 == options_.overlap_rounds) {
+        graph.SetValues(solution.values);
+        mission_.graph = std::move(graph);
+      }
+    }
+    mission_.report.overlaps = overlaps.size();
+    mission_.world_from_node = poses_;
+  }
+
+  // Between two nodes, what the solution moved them by fades from the one to the other.
+  void PlaceScans() {
+    mission_.world_from_scan.resize(log_.scans.size());
+    for (std::uint32_t robot = 0; robot < log_.robots.size(); ++robot) {
+      const Track& track = tracks_[robot];
+      const std::size_t last = first_node_[robot + 1];
+      std::size_t node = first_node_[robot];
+      for (std::size_t i = 0; i < track.scans.size(); ++i) {
+        const std::size_t scan = track.scans[i];
+        while (node + 1 < last && nodes_[node + 1].scan <= scan) ++node;
+        PlanarPose pose = poses_[node] * (Inverse(nodes_[node].pose) * track.scan_poses[i]);
+        if (node + 1 < last && scan > nodes_[node].scan) {
+          const PlanarPose other =
+              poses_[node + 1] * (Inverse(nodes_[node + 1].pose) * track.scan_poses[i]);
+          const double part = static_cast<double>(scan - nodes_[node].scan) /
+                              static_cast<double>(nodes_[node + 1].scan - nodes_[node].scan);
+          pose = {pose.x + part * (other.x - pose.x), pose.y + part * (other.y - pose.y),
+                  WrappedAngle(pose.yaw + part * WrappedAngle(other.yaw - pose.yaw))};
+        }
+        mission_.world_from_scan[scan] = pose;
+      }
     }
   }
-  return track;
+
+  const LaserLog& log_;
+  const FrontEndOptions& options_;
+  const FrontEndObserver& watch_;
+  Mission mission_;
+  std::vector<TrackNode> nodes_;
+  std::vector<std::size_t> first_node_;  // of each robot, and the end
+  std::vector<Track> tracks_;            // without their nodes
+  std::vector<PlanarPose> poses_;        // of nodes, as of the last solution
+  std::vector<Closure> believed_;
+  std::size_t chain_factors_ = 0;
+};
+
+}  // namespace
+
+Mission BuildMission(const LaserLog& log, const Registry& types, const FrontEndOptions& options,
+                     const FrontEndObserver& watch) {
+  return Builder(log, types, options, watch).Build();
 }
 
 }  // namespace graticule

@@ -1,0 +1,275 @@
+#include "graticule/problems/mapping/loop_search.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/problems/mapping/point_refine.hpp"
+#include "graticule/problems/mapping/pose_noise.hpp"
+#include "graticule/problems/mapping/scan_match.hpp"
+
+namespace graticule {
+namespace {
+
+constexpr double kPlaceDistance = 1.5;     // m of the way, from one place to the next
+constexpr double kLeastWay = 6;            // m of the way between the two ends of a closure
+constexpr std::size_t kPiece = 6;          // places of a pass of which only the nearest is tried
+constexpr std::size_t kMostPerPlace = 4;   // candidates of a place in a round
+constexpr double kReferenceReach = 4, kQueryReach = 2;  // m of the way to each side
+constexpr double kCell = 0.05, kBlur = 0.07;            // m
+constexpr std::size_t kSearchPoints = 400, kRefinePoints = 1500;
+constexpr double kLeastMatched = 0.5;
+constexpr double kPointSigma = 0.1;     // m: of a point, as if points were independent
+constexpr double kStretchScans = 10;    // scans of a stretch say the same: count as one
+constexpr double kOverlapDistance = 2.5, kOverlapWay = 5, kOverlapReach = 2;  // m
+constexpr double kOverlapShift = 0.3, kOverlapTurn = 0.1;                     // m, rad
+
+double Distance(const PlanarPose& a, const PlanarPose& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+std::vector<SurfacePoint> Thinned(const std::vector<SurfacePoint>& points, std::size_t most) {
+  std::vector<SurfacePoint> thinned;
+  const std::size_t count = std::min(points.size(), most);
+  for (std::size_t i = 0; i < count; ++i) thinned.push_back(points[i * points.size() / count]);
+  return thinned;
+}
+
+}  // namespace
+
+struct LoopSearch::Worker {
+  LikelihoodGrid grid{kCell, kBlur};
+  CorrelativeMatcher matcher;
+  PointIndex index;
+  std::vector<SurfacePoint> reference, query;
+};
+
+Eigen::Matrix3d MatchInformation(const TrackNode& node, const FrontEndOptions& options) {
+  return WithFloor(node.information / (kPointSigma * kPointSigma), options.drift_sigma,
+                   options.drift_sigma_yaw);
+}
+
+Eigen::Matrix3d ChainInformation(const TrackNode& node, const FrontEndOptions& options) {
+  const MotionSigmas sigmas = SigmasOf(node.odometry_step, options);
+  Eigen::Matrix3d information = MatchInformation(node, options);
+  information.diagonal() += Eigen::Vector3d(std::pow(sigmas.sigma, -2), std::pow(sigmas.sigma, -2),
+                                            std::pow(sigmas.sigma_yaw, -2));
+  return information;
+}
+
+LoopSearch::LoopSearch(const std::vector<TrackNode>& nodes, const FrontEndOptions& options)
+    : nodes_(nodes), options_(options) {
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i].is_first ||
+        nodes[i].travelled >= nodes[places_.back()].travelled + kPlaceDistance)
+      places_.push_back(i);
+    place_of_.push_back(static_cast<std::uint32_t>(places_.size() - 1));
+  }
+}
+
+void LoopSearch::Stretch(std::uint32_t node, double reach, const std::vector<PlanarPose>& poses,
+                         std::vector<SurfacePoint>* points) const {
+  const auto is_near = [&](std::uint32_t i) {
+    return nodes_[i].robot == nodes_[node].robot &&
+           std::abs(nodes_[i].travelled - nodes_[node].travelled) <= reach;
+  };
+  points->clear();
+  std::uint32_t first = node, last = node;
+  while (first > 0 && is_near(first - 1)) --first;
+  while (last + 1 < nodes_.size() && is_near(last + 1)) ++last;
+  const PlanarPose node_from_world = Inverse(poses[node]);
+  for (std::uint32_t i = first; i <= last; ++i)
+    AppendTransformed(nodes_[i].points, node_from_world * poses[i], points);
+}
+
+std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
+    const std::vector<PlanarPose>& poses, const std::vector<Closure>& believed) const {
+  std::vector<UncertainEdge> edges;
+  Eigen::Matrix3d since = Eigen::Matrix3d::Zero();  // the last place
+  for (std::uint32_t i = 1; i < nodes_.size(); ++i) {
+    if (nodes_[i].is_first) {
+      since.setZero();
+      continue;
+    }
+    const Eigen::Matrix3d carry = Adjoint(Inverse(nodes_[i].match_step));
+    since = carry * since * carry.transpose() + ChainInformation(nodes_[i], options_).inverse();
+    if (places_[place_of_[i]] != i) continue;
+    edges.push_back({place_of_[i] - 1, place_of_[i], since});
+    since.setZero();
+  }
+  for (const Closure& closure : believed) {
+    Eigen::Matrix3d information = closure.information;
+    information.diagonal() += Eigen::Vector3d::Constant(1e-2);
+    edges.push_back({place_of_[closure.a], place_of_[closure.b], information.inverse()});
+  }
+  std::vector<PlanarPose> place_poses;
+  for (const std::uint32_t node : places_) place_poses.push_back(poses[node]);
+
+  std::vector<std::vector<Candidate>> found(places_.size());
+  const auto threads = static_cast<std::size_t>(options_.threads);
+  std::vector<RelativeUncertainty> uncertainty(threads,
+                                               RelativeUncertainty(places_.size(), edges));
+  ParallelFor(places_.size(), threads, [&](std::size_t worker, std::size_t b) {
+    const auto to = static_cast<std::uint32_t>(b);
+    RelativeUncertainty& known = uncertainty[worker];
+    known.From(to, place_poses);
+    std::vector<Candidate>& own = found[b];
+    double nearest = 0;
+    std::uint32_t piece_begin = 0;
+    for (std::uint32_t a = 0; a < to; ++a) {
+      const TrackNode& node_a = nodes_[places_[a]];
+      const TrackNode& node_b = nodes_[places_[b]];
+      if (!known.IsReached(a)) continue;
+      if (node_a.robot == node_b.robot && node_b.travelled - node_a.travelled < kLeastWay) continue;
+      const Eigen::Matrix3d& covariance = known.Of(a);
+      const double spread =
+          Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance.topLeftCorner<2, 2>(),
+                                                         Eigen::EigenvaluesOnly)
+              .eigenvalues()[1];
+      const double sigma = std::sqrt(spread);
+      const double distance = Distance(place_poses[a], place_poses[b]);
+      if (distance - 2 * sigma > options_.closure_reach) continue;
+      Candidate candidate;
+      candidate.a = a;
+      candidate.b = to;
+      candidate.reach = std::clamp(3 * sigma + 0.3, 0.5, options_.closure_window);
+      candidate.reach_yaw = std::clamp(3 * std::sqrt(covariance(2, 2)) + 0.05, 0.1, M_PI);
+      candidate.cost = distance + sigma;
+      const bool same_piece = !own.empty() && a < piece_begin + kPiece && own.back().a + 3 > a;
+      if (!same_piece) {
+        own.push_back(candidate);
+        piece_begin = a;
+        nearest = distance;
+      } else if (distance < nearest) {
+        own.back() = candidate;
+        nearest = distance;
+      }
+    }
+    std::sort(own.begin(), own.end(), [](const Candidate& x, const Candidate& y) {
+      return x.cost != y.cost ? x.cost < y.cost : x.a < y.a;
+    });
+    if (own.size() > kMostPerPlace) own.resize(kMostPerPlace);
+  });
+  std::vector<Candidate> all;
+  for (const std::vector<Candidate>& own : found)
+    for (const Candidate& candidate : own) {
+      const auto before = tried_.find({candidate.a, candidate.b});
+      if (before != tried_.end()) {
+        const PlanarPose guess = Inverse(place_poses[candidate.a]) * place_poses[candidate.b];
+        const PlanarPose moved = Inverse(before->second.guess) * guess;
+        if (std::hypot(moved.x, moved.y) < std::max(0.3, before->second.reach / 2) &&
+            std::abs(moved.yaw) < 0.1)
+          continue;
+      }
+      all.push_back(candidate);
+    }
+  return all;
+}
+
+bool LoopSearch::Try(const Candidate& candidate, const std::vector<PlanarPose>& poses,
+                     Worker* worker, Closure* closure) const {
+  const std::uint32_t a = places_[candidate.a], b = places_[candidate.b];
+  Stretch(a, kReferenceReach, poses, &worker->reference);
+  Stretch(b, kQueryReach, poses, &worker->query);
+  worker->grid.Build(worker->reference, 0, 0, options_.max_range);
+  SearchWindow window;
+  window.guess = Inverse(poses[a]) * poses[b];
+  window.reach = candidate.reach;
+  window.reach_yaw = candidate.reach_yaw;
+  Match match;
+  if (!worker->matcher.Search(worker->grid, Thinned(worker->query, kSearchPoints), window,
+                              options_.closure_score, &match))
+    return false;
+  worker->index.Build(worker->reference);
+  RefineOptions refine;
+  refine.scale = 0.05;
+  const Refinement refined =
+      RefineOnPoints(worker->index, Thinned(worker->query, kRefinePoints),
+                     match.reference_from_scan, match.reference_from_scan,
+                     Eigen::Vector3d(10, 10, 100).asDiagonal(), 0.03, refine);
+  if (refined.matched < kLeastMatched) return false;
+  closure->a = a;
+  closure->b = b;
+  closure->a_from_b = refined.reference_from_scan;
+  closure->information =
+      WithFloor(refined.information / (kPointSigma * kPointSigma * kStretchScans),
+                options_.closure_sigma, options_.closure_sigma_yaw);
+  closure->score = match.score;
+  closure->matched = refined.matched;
+  return true;
+}
+
+std::vector<Closure> LoopSearch::Search(const std::vector<PlanarPose>& poses,
+                                        const std::vector<Closure>& believed) {
+  const std::vector<Candidate> candidates = Candidates(poses, believed);
+  for (const Candidate& candidate : candidates)
+    tried_[{candidate.a, candidate.b}] = {
+        Inverse(poses[places_[candidate.a]]) * poses[places_[candidate.b]], candidate.reach};
+  searches_ += candidates.size();
+  const auto threads = static_cast<std::size_t>(options_.threads);
+  std::vector<Worker> workers(threads);
+  std::vector<Closure> found(candidates.size());
+  std::vector<std::uint8_t> is_found(candidates.size());
+  ParallelFor(candidates.size(), threads, [&](std::size_t worker, std::size_t i) {
+    is_found[i] = Try(candidates[i], poses, &workers[worker], &found[i]);
+  });
+  std::vector<Closure> closures;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (is_found[i]) closures.push_back(found[i]);
+  return closures;
+}
+
+std::vector<Closure> LoopSearch::Overlaps(const std::vector<PlanarPose>& poses) {
+  const auto threads = static_cast<std::size_t>(options_.threads);
+  std::vector<Worker> workers(threads);
+  std::vector<std::vector<Closure>> found(places_.size());
+  ParallelFor(places_.size(), threads, [&](std::size_t worker, std::size_t place) {
+    const std::uint32_t a = places_[place];
+    Worker& own = workers[worker];
+    bool is_built = false;
+    for (std::uint32_t b = 0; b < nodes_.size(); ++b) {
+      if (Distance(poses[a], poses[b]) > kOverlapDistance) continue;
+      if (nodes_[a].robot == nodes_[b].robot &&
+          nodes_[b].travelled - nodes_[a].travelled < kOverlapWay)
+        continue;
+      if (nodes_[a].robot != nodes_[b].robot && b < a) continue;
+      // Of the places of this pass, the nearest.
+      const double distance = Distance(poses[a], poses[b]);
+      bool is_nearest = true;
+      for (std::size_t other = place > 2 ? place - 2 : 0;
+           other <= place + 2 && other < places_.size(); ++other)
+        is_nearest &= nodes_[places_[other]].robot != nodes_[a].robot || other == place ||
+                      Distance(poses[places_[other]], poses[b]) >= distance;
+      if (!is_nearest) continue;
+      if (!is_built) {
+        Stretch(a, kOverlapReach, poses, &own.reference);
+        own.index.Build(own.reference);
+        is_built = true;
+      }
+      const PlanarPose guess = Inverse(poses[a]) * poses[b];
+      RefineOptions refine;
+      refine.scale = 0.05;
+      const Refinement refined =
+          RefineOnPoints(own.index, nodes_[b].points, guess, guess,
+                         Eigen::Vector3d(100, 100, 400).asDiagonal(), 0.03, refine);
+      const PlanarPose shift = Inverse(guess) * refined.reference_from_scan;
+      if (refined.matched < kLeastMatched || std::hypot(shift.x, shift.y) > kOverlapShift ||
+          std::abs(shift.yaw) > kOverlapTurn)
+        continue;
+      Closure closure;
+      closure.a = a;
+      closure.b = b;
+      closure.a_from_b = refined.reference_from_scan;
+      closure.information = WithFloor(refined.information / (kPointSigma * kPointSigma),
+                                      options_.closure_sigma / 2, options_.closure_sigma_yaw / 2);
+      closure.matched = refined.matched;
+      found[place].push_back(closure);
+    }
+  });
+  std::vector<Closure> all;
+  for (const std::vector<Closure>& own : found) all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
+
+}  // namespace graticule
