@@ -13,6 +13,8 @@
 namespace graticule {
 namespace {
 
+constexpr double kFirstWindow = 2;  // m
+
 class Builder {
  public:
   Builder(const LaserLog& log, const Registry& types, const FrontEndOptions& options,
@@ -102,10 +104,17 @@ class Builder {
 
   void Close(LoopSearch* search) {
     std::vector<Closure> suspects;
+    double window = std::min(kFirstWindow, options_.closure_window);
     for (int round = 0; round < options_.closure_rounds; ++round) {
       Tell("closing loops", static_cast<double>(round) / options_.closure_rounds);
-      const std::vector<Closure> found = search->Search(poses_, believed_);
-      if (found.empty()) break;
+      bool has_left = false;
+      const std::vector<Closure> found = search->Search(poses_, believed_, window, &has_left);
+      // Only where near things are settled is it worth looking far.
+      if (found.size() * 50 <= suspects.size()) {
+        if (found.empty() && !has_left) break;
+        window = std::min(2 * window, options_.closure_window);
+      }
+      if (found.empty()) continue;
       suspects.insert(suspects.end(), found.begin(), found.end());
       const Graph graph = WithClosures(suspects);
       RejectionOptions rejection;
@@ -118,7 +127,7 @@ class Builder {
       TakePoses(robust.solution.values);
       ++mission_.report.rounds;
       if (getenv("DBG"))
-        printf("round %d found %zu of %zu searches, suspects %zu kept %zu  gnc %.2f s cost %.1f\n", round, found.size(), search->Searches(),
+        printf("round %d window %.1f found %zu of %zu searches, suspects %zu kept %zu  gnc %.2f s cost %.1f\n", round, window, has_left, found.size(), search->Searches(),
                suspects.size(), believed_.size(), robust.rejection.seconds, robust.solution.report.final_cost);
     }
     mission_.report.searches = search->Searches();

@@ -36,7 +36,7 @@ struct FrontEndOptions {
   double closure_score = 0.5;     ///< mean likelihood of a closure's points
   double closure_sigma = 0.02;    ///< m
   double closure_sigma_yaw = 0.004;  ///< rad
-  int closure_rounds = 6;
+  int closure_rounds = 12;
   int overlap_rounds = 2;         ///< of refinement: all that overlaps is matched once more
   int threads = 2;
   SolveOptions solve;

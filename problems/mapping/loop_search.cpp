@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "graticule/problems/mapping/parallel_for.hpp"
@@ -19,8 +20,10 @@ constexpr std::size_t kMostPerPlace = 4;   // candidates of a place in a round
 constexpr double kReferenceReach = 4, kQueryReach = 2;  // m of the way to each side
 constexpr double kCell = 0.05, kBlur = 0.07;            // m
 constexpr std::size_t kSearchPoints = 400, kRefinePoints = 1500;
+// Wider windows are searched on a coarser grid first, and then about what was found.
+constexpr double kWide = 0.8, kAroundCoarse = 0.2, kAroundCoarseYaw = 0.03;  // m, m, rad
 constexpr double kLeastMatched = 0.5;
-constexpr double kPointSigma = 0.1;     // m: of a point, as if points were independent
+constexpr double kPointSigma = 0.04;    // m: of a point, as if points were independent
 constexpr double kStretchScans = 10;    // scans of a stretch say the same: count as one
 constexpr double kOverlapDistance = 2.5, kOverlapWay = 5, kOverlapReach = 2;  // m
 constexpr double kOverlapShift = 0.3, kOverlapTurn = 0.1;                     // m, rad
@@ -39,7 +42,7 @@ std::vector<SurfacePoint> Thinned(const std::vector<SurfacePoint>& points, std::
 }  // namespace
 
 struct LoopSearch::Worker {
-  LikelihoodGrid grid{kCell, kBlur};
+  LikelihoodGrid grid{kCell, kBlur}, coarse_grid{2 * kCell, 2 * kBlur};
   CorrelativeMatcher matcher;
   PointIndex index;
   std::vector<SurfacePoint> reference, query;
@@ -84,7 +87,8 @@ void LoopSearch::Stretch(std::uint32_t node, double reach, const std::vector<Pla
 }
 
 std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
-    const std::vector<PlanarPose>& poses, const std::vector<Closure>& believed) const {
+    const std::vector<PlanarPose>& poses, const std::vector<Closure>& believed, double window,
+    bool* has_left) const {
   std::vector<UncertainEdge> edges;
   Eigen::Matrix3d since = Eigen::Matrix3d::Zero();  // the last place
   for (std::uint32_t i = 1; i < nodes_.size(); ++i) {
@@ -110,6 +114,7 @@ std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
   const auto threads = static_cast<std::size_t>(options_.threads);
   std::vector<RelativeUncertainty> uncertainty(threads,
                                                RelativeUncertainty(places_.size(), edges));
+  std::atomic<bool> is_left{false};
   ParallelFor(places_.size(), threads, [&](std::size_t worker, std::size_t b) {
     const auto to = static_cast<std::uint32_t>(b);
     RelativeUncertainty& known = uncertainty[worker];
@@ -130,10 +135,15 @@ std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
       const double sigma = std::sqrt(spread);
       const double distance = Distance(place_poses[a], place_poses[b]);
       if (distance - 2 * sigma > options_.closure_reach) continue;
+      const double reach = 3 * sigma + 0.3;
+      if (reach > window && window < options_.closure_window) {
+        is_left = true;
+        continue;
+      }
       Candidate candidate;
       candidate.a = a;
       candidate.b = to;
-      candidate.reach = std::clamp(3 * sigma + 0.3, 0.5, options_.closure_window);
+      candidate.reach = std::clamp(reach, 0.5, window);
       candidate.reach_yaw = std::clamp(3 * std::sqrt(covariance(2, 2)) + 0.05, 0.1, M_PI);
       candidate.cost = distance + sigma;
       const bool same_piece = !own.empty() && a < piece_begin + kPiece && own.back().a + 3 > a;
@@ -151,6 +161,7 @@ std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
     });
     if (own.size() > kMostPerPlace) own.resize(kMostPerPlace);
   });
+  *has_left = is_left;
   std::vector<Candidate> all;
   for (const std::vector<Candidate>& own : found)
     for (const Candidate& candidate : own) {
@@ -172,12 +183,19 @@ bool LoopSearch::Try(const Candidate& candidate, const std::vector<PlanarPose>& 
   const std::uint32_t a = places_[candidate.a], b = places_[candidate.b];
   Stretch(a, kReferenceReach, poses, &worker->reference);
   Stretch(b, kQueryReach, poses, &worker->query);
-  worker->grid.Build(worker->reference, 0, 0, options_.max_range);
   SearchWindow window;
   window.guess = Inverse(poses[a]) * poses[b];
   window.reach = candidate.reach;
   window.reach_yaw = candidate.reach_yaw;
   Match match;
+  if (window.reach > kWide) {
+    worker->coarse_grid.Build(worker->reference, 0, 0, options_.max_range);
+    if (!worker->matcher.Search(worker->coarse_grid, Thinned(worker->query, kSearchPoints / 2),
+                                window, options_.closure_score, &match))
+      return false;
+    window = {match.reference_from_scan, kAroundCoarse, kAroundCoarseYaw, HUGE_VAL, HUGE_VAL};
+  }
+  worker->grid.Build(worker->reference, 0, 0, options_.max_range);
   if (!worker->matcher.Search(worker->grid, Thinned(worker->query, kSearchPoints), window,
                               options_.closure_score, &match))
     return false;
@@ -201,8 +219,9 @@ bool LoopSearch::Try(const Candidate& candidate, const std::vector<PlanarPose>& 
 }
 
 std::vector<Closure> LoopSearch::Search(const std::vector<PlanarPose>& poses,
-                                        const std::vector<Closure>& believed) {
-  const std::vector<Candidate> candidates = Candidates(poses, believed);
+                                        const std::vector<Closure>& believed, double window,
+                                        bool* has_left) {
+  const std::vector<Candidate> candidates = Candidates(poses, believed, window, has_left);
   for (const Candidate& candidate : candidates)
     tried_[{candidate.a, candidate.b}] = {
         Inverse(poses[places_[candidate.a]]) * poses[places_[candidate.b]], candidate.reach};

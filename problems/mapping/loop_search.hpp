@@ -31,9 +31,11 @@ class LoopSearch {
   LoopSearch(const std::vector<TrackNode>& nodes, const FrontEndOptions& options);
 
   /// Closures that are likely, with nodes at these poses and closures that are believed so far.
-  /// What was looked for before is not again, unless poses have moved since.
+  /// What was looked for before is not again, unless poses have moved since.  What would have to be
+  /// looked for farther than `window` [m] is left for later, and `has_left` told; with the largest
+  /// window of the options, nothing is left.
   std::vector<Closure> Search(const std::vector<PlanarPose>& poses,
-                              const std::vector<Closure>& believed);
+                              const std::vector<Closure>& believed, double window, bool* has_left);
 
   /// With poses known well: of each node and each stretch of nodes near it but for those just
   /// before and after, the match on points.
@@ -49,7 +51,8 @@ class LoopSearch {
   struct Worker;
 
   std::vector<Candidate> Candidates(const std::vector<PlanarPose>& poses,
-                                    const std::vector<Closure>& believed) const;
+                                    const std::vector<Closure>& believed, double window,
+                                    bool* has_left) const;
   bool Try(const Candidate& candidate, const std::vector<PlanarPose>& poses, Worker* worker,
            Closure* closure) const;
   /// Points of nodes whose way is no farther than `reach` from a node, in its frame.
