@@ -71,6 +71,8 @@ int main(int argc, char** argv) {
     for (auto& s : log.scans) odom.push_back({s.time, s.odom_from_robot});
     Print("odometry", CompareWithRelations(odom, rel), 0);
     watch.Restart();
+    if (getenv("CR")) o.closure_rounds = atoi(getenv("CR"));
+    if (getenv("OR")) o.overlap_rounds = atoi(getenv("OR"));
     const Mission mission = BuildMission(log, Builtins(), o);
     const double s = watch.Elapsed().wall;
     const auto& r = mission.report;

@@ -22,21 +22,21 @@ struct FrontEndOptions {
   // dead reckoning, from one scan to the next
   double odometry_sigma = 0.02;           ///< m
   double odometry_sigma_per_metre = 0.1;  ///< m a metre
-  double odometry_sigma_yaw = 0.03;       ///< rad; laser and wheels are not read at one time
+  double odometry_sigma_yaw = 0.05;       ///< rad; laser and wheels are not read at one time
   double odometry_sigma_per_turn = 0.2;   ///< rad a rad
   // matching
   double max_range = 30;     ///< m
   double point_spacing = 0.02;  ///< m
-  int local_nodes = 20;      ///< that a scan is matched against
+  int local_nodes = 15;      ///< that a scan is matched against
   double drift_sigma = 0.005;      ///< m, of a match with the nodes before, besides what its points say
-  double drift_sigma_yaw = 0.001;  ///< rad
+  double drift_sigma_yaw = 0.002;  ///< rad
   // closures
   double closure_reach = 3;       ///< m; places no farther apart than this are looked at
-  double closure_window = 12;     ///< m; the farthest that a place is looked for
+  double closure_window = 25;     ///< m; the farthest that a place is looked for
   double closure_score = 0.5;     ///< mean likelihood of a closure's points
   double closure_sigma = 0.02;    ///< m
   double closure_sigma_yaw = 0.004;  ///< rad
-  int closure_rounds = 12;
+  int closure_rounds = 20;
   int overlap_rounds = 2;         ///< of refinement: all that overlaps is matched once more
   int threads = 2;
   SolveOptions solve;

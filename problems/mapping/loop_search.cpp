@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPlaceDistance = 1.5;     // m of the way, from one place to the next
 constexpr double kLeastWay = 6;            // m of the way between the two ends of a closure
-constexpr std::size_t kPiece = 6;          // places of a pass of which only the nearest is tried
+constexpr std::uint32_t kPiece = 6;         // places of a pass of which only the nearest is tried
 constexpr std::size_t kMostPerPlace = 4;   // candidates of a place in a round
 constexpr double kReferenceReach = 4, kQueryReach = 2;  // m of the way to each side
 constexpr double kCell = 0.05, kBlur = 0.07;            // m
@@ -140,13 +140,18 @@ std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
         is_left = true;
         continue;
       }
+      // Looking far is dear, and one thing found far off lets the rest be looked for nearby.
+      const double wide = std::min(reach, window);
+      const auto stride = static_cast<std::uint32_t>(std::clamp(wide / 3, 1.0, 6.0));
+      if (to % stride != 0) continue;
+      const auto piece = std::max(kPiece, static_cast<std::uint32_t>(wide / kPlaceDistance));
       Candidate candidate;
       candidate.a = a;
       candidate.b = to;
       candidate.reach = std::clamp(reach, 0.5, window);
       candidate.reach_yaw = std::clamp(3 * std::sqrt(covariance(2, 2)) + 0.05, 0.1, M_PI);
       candidate.cost = distance + sigma;
-      const bool same_piece = !own.empty() && a < piece_begin + kPiece && own.back().a + 3 > a;
+      const bool same_piece = !own.empty() && a < piece_begin + piece && own.back().a + 3 > a;
       if (!same_piece) {
         own.push_back(candidate);
         piece_begin = a;

@@ -14,9 +14,12 @@ constexpr double kResidualSigma = 0.03;       // m, against dead reckoning
 constexpr double kResidualScale = 0.1;        // m
 // Windows are never smaller than these, nor larger.
 constexpr double kLeastReach = 0.2, kLargestReach = 1.5;        // m
-constexpr double kLeastReachYaw = 0.2, kLargestReachYaw = 0.8;  // rad
+constexpr double kLeastReachYaw = 0.35,kLargestReachYaw = 0.8;  // rad
 constexpr double kStillMetres = 1e-3, kStillTurn = 1e-3;
 constexpr int kStillScans = 3;  // so many are matched after the wheels have stopped
+
+// Of nodes before the local ones, some hold the heading: every so many, so many times as far back.
+constexpr std::size_t kOlderStep = 5, kOlderReach = 6;
 
 class Follower {
  public:
@@ -73,6 +76,11 @@ class Follower {
     const Refinement refined = RefineOnPoints(index_, points, match.reference_from_scan,
                                               window.guess, prior, kResidualSigma, refine);
     const PlanarPose& in_last = refined.reference_from_scan;
+    if (getenv("DBG3")) {
+      const PlanarPose d = Inverse(window.guess) * in_last, m = Inverse(window.guess) * match.reference_from_scan;
+      if (std::abs(d.yaw) > 0.06 || std::hypot(d.x, d.y) > 0.15 || refined.matched < 0.4)
+        printf("T %zu step %.3f %.3f %.3f odd %.3f %.3f %.3f match %.3f %.3f %.3f score %.2f matched %.2f rms %.3f points %zu\n", scan, step.x, step.y, step.yaw, d.x, d.y, d.yaw, m.x, m.y, m.yaw, match.score, refined.matched, refined.rms, points.size());
+    }
     pose_ = last * in_last;
     if (std::hypot(in_last.x, in_last.y) < options_.node_distance &&
         std::abs(in_last.yaw) < options_.node_turn)
@@ -99,10 +107,12 @@ class Follower {
     // What the next scans are matched against, in this node's frame.
     const std::vector<TrackNode>& nodes = track_.nodes;
     reference_.clear();
-    const std::size_t count =
-        std::min(nodes.size(), static_cast<std::size_t>(options_.local_nodes));
-    for (std::size_t k = nodes.size(); k-- > nodes.size() - count;)
-      AppendTransformed(nodes[k].points, Inverse(pose_) * nodes[k].pose, &reference_);
+    const auto recent = static_cast<std::size_t>(options_.local_nodes);
+    for (std::size_t back = 0; back < nodes.size() && back < kOlderReach * recent;
+         back += back + 1 < recent ? 1 : kOlderStep) {
+      const TrackNode& own_node = nodes[nodes.size() - 1 - back];
+      AppendTransformed(own_node.points, Inverse(pose_) * own_node.pose, &reference_);
+    }
     grid_.Build(reference_, 0, 0, options_.max_range + 1);
     index_.Build(reference_);
   }
