@@ -56,7 +56,9 @@ struct Clock {
 class Reader {
  public:
   Reader(std::string_view text, const std::string& name, const CarmenOptions& options)
-      : text_(text), reader_(text, name), options_(options) {}
+      : text_(text), reader_(text, name), options_(options) {
+    mounted_.x = options.laser_offset.value_or(0);
+  }
 
   /// The log that is returned has one robot, without a name.
   std::pair<LaserLog, CarmenSummary> Read() {
@@ -130,7 +132,9 @@ class Reader {
   // PARAM name value..: only the laser's place matters, and most values are not numbers.
   void ReadParameter() {
     if (reader_.Word("the parameter's name") != "robot_frontlaser_offset") return;
-    mounted_.x = reader_.Double("the front laser's offset");
+    const double offset = reader_.Double("the front laser's offset");
+    if (options_.laser_offset) return;
+    mounted_.x = offset;
     for (const std::uint32_t geometry : mounted_geometries_)
       log_.geometries[geometry].robot_from_laser = mounted_;
   }

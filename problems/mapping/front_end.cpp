@@ -2,18 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "graticule/factors/make.hpp"
 #include "graticule/problems/mapping/loop_search.hpp"
 #include "graticule/problems/mapping/pose_noise.hpp"
 #include "graticule/problems/mapping/scan_track.hpp"
+#include "graticule/problems/pose_graph/consistency.hpp"
 #include "graticule/problems/pose_graph/robustify.hpp"
+#include "graticule/solver/error.hpp"
 #include "graticule/solver/stopwatch.hpp"
+#include "graticule/solver/union_find.hpp"
 
 namespace graticule {
 namespace {
 
-constexpr double kFirstWindow = 2;  // m
+constexpr double kFirstWindow = 2;       // m
+constexpr std::size_t kSettled = 50;     // fewer than one closure in so many is new: look farther
+constexpr std::size_t kLeastMeetings = 4;  // that agree, for two robots to be joined
 
 class Builder {
  public:
@@ -23,12 +30,21 @@ class Builder {
 
   Mission Build() {
     if (log_.scans.empty()) throw Error("there is no scan in this log");
+    if (!options_.starts.empty() && options_.starts.size() != log_.robots.size())
+      throw Error("expected the starts of all " + std::to_string(log_.robots.size()) +
+                      " robots or of none, found " + std::to_string(options_.starts.size()),
+                  ErrorKind::kUsage);
     Stopwatch watch;
     Follow();
     AddChain();
     mission_.report.seconds_follow = watch.Lap().wall;
     LoopSearch search(nodes_, options_);
+    SetPieces({});
     Close(&search);
+    Join(&search);
+    mission_.report.searches = search.Searches();
+    mission_.report.found = suspects_.size();
+    mission_.report.rejected = suspects_.size() - believed_.size();
     mission_.report.seconds_close = watch.Lap().wall;
     Refine(&search);
     PlaceScans();
@@ -47,7 +63,12 @@ class Builder {
         Tell("following " + log_.robots[robot], done);
       });
       first_node_.push_back(nodes_.size());
-      for (TrackNode& node : track.nodes) nodes_.push_back(std::move(node));
+      for (TrackNode& node : track.nodes) {
+        if (!options_.starts.empty()) node.pose = options_.starts[robot] * node.pose;
+        nodes_.push_back(std::move(node));
+      }
+      if (!options_.starts.empty())
+        for (PlanarPose& pose : track.scan_poses) pose = options_.starts[robot] * pose;
       track.nodes.clear();
       tracks_.push_back(std::move(track));
     }
@@ -70,28 +91,40 @@ class Builder {
       const TrackNode& node = nodes_[i];
       if (node.is_first) continue;
       const MotionSigmas sigmas = SigmasOf(node.odometry_step, options_);
-      AddBetween(i - 1, i, node.odometry_step,
-                 Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}), "odometry");
-      AddBetween(i - 1, i, node.match_step, InformationNoise(MatchInformation(node, options_)),
-                 "scan");
+      graph.Add(Between(i - 1, i, node.odometry_step,
+                        Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}),
+                        "odometry"));
+      graph.Add(Between(i - 1, i, node.match_step,
+                        InformationNoise(MatchInformation(node, options_)), "scan"));
     }
+    AddStarts();
     chain_factors_ = graph.FactorCount();
   }
 
-  void AddBetween(std::size_t a, std::size_t b, const PlanarPose& a_from_b, Noise noise,
-                  const char* source) {
-    mission_.graph.Add(BetweenSe2Factor(mission_.nodes[a].key, mission_.nodes[b].key,
-                                        {a_from_b.x, a_from_b.y, a_from_b.yaw}, std::move(noise),
-                                        source));
+  void AddStarts() {
+    if (options_.starts.empty()) return;
+    for (std::uint32_t robot = 1; robot < log_.robots.size(); ++robot) {
+      const PlanarPose& start = options_.starts[robot];
+      if (first_node_[robot] == first_node_[robot + 1]) continue;
+      mission_.graph.Add(PriorSe2Factor(
+          mission_.nodes[first_node_[robot]].key, {start.x, start.y, start.yaw},
+          Noise::Sigmas({options_.start_sigma, options_.start_sigma, options_.start_sigma_yaw}),
+          "start"));
+    }
   }
 
-  Graph WithClosures(const std::vector<Closure>& closures) {
-    Graph before = mission_.graph;
+  Factor Between(std::size_t a, std::size_t b, const PlanarPose& a_from_b, Noise noise,
+                 const char* source) const {
+    return BetweenSe2Factor(mission_.nodes[a].key, mission_.nodes[b].key,
+                            {a_from_b.x, a_from_b.y, a_from_b.yaw}, std::move(noise), source);
+  }
+
+  Graph WithClosures(const std::vector<Closure>& closures) const {
+    Graph with = mission_.graph;
     for (const Closure& closure : closures)
-      AddBetween(closure.a, closure.b, closure.a_from_b, InformationNoise(closure.information),
-                 "loop");
-    std::swap(before, mission_.graph);
-    return before;
+      with.Add(Between(closure.a, closure.b, closure.a_from_b,
+                       InformationNoise(closure.information), "loop"));
+    return with;
   }
 
   void TakePoses(const Values& values) {
@@ -102,60 +135,119 @@ class Builder {
     mission_.graph.SetValues(values);
   }
 
+  // Robots that closures join are one piece; of each piece, the first pose of one robot is held.
+  void SetPieces(const std::vector<Closure>& closures) {
+    UnionFind robots(log_.robots.size());
+    for (std::uint32_t robot = 1; !options_.starts.empty() && robot < log_.robots.size(); ++robot)
+      robots.Join(robot, 0);
+    for (const Closure& closure : closures)
+      robots.Join(nodes_[closure.a].robot, nodes_[closure.b].robot);
+    std::vector<std::uint32_t>& pieces = mission_.report.piece_of_robot;
+    pieces.assign(log_.robots.size(), 0);
+    std::vector<std::uint8_t> is_held(log_.robots.size());
+    for (std::uint32_t robot = 0; robot < pieces.size(); ++robot) {
+      pieces[robot] = robots.Root(robot);
+      if (first_node_[robot] == first_node_[robot + 1]) continue;
+      std::uint8_t& held = is_held[pieces[robot]];
+      mission_.graph.SetFixed(static_cast<VariableId>(first_node_[robot]), !held);
+      held = 1;
+    }
+  }
+
+  std::size_t Pieces() const {
+    const std::vector<std::uint32_t>& pieces = mission_.report.piece_of_robot;
+    return std::set<std::uint32_t>(pieces.begin(), pieces.end()).size();
+  }
+
+  // Solves without those of the suspects that disagree.
+  void Settle(LoopSearch* search) {
+    SetPieces(suspects_);
+    RejectionOptions rejection;
+    rejection.reject_outliers = Rejection::kGncTls;
+    rejection.trusted_sources = "odometry,scan";
+    const RobustSolution robust =
+        SolveWithoutOutliers(WithClosures(suspects_), rejection, options_.solve);
+    believed_.clear();
+    for (std::size_t i = 0; i < suspects_.size(); ++i)
+      if (robust.is_kept[chain_factors_ + i]) believed_.push_back(suspects_[i]);
+    TakePoses(robust.solution.values);
+    SetPieces(believed_);
+    search->SetPieces(mission_.report.piece_of_robot);
+    ++mission_.report.rounds;
+  }
+
+  // What is near first: it makes what is far better known.
   void Close(LoopSearch* search) {
-    std::vector<Closure> suspects;
     double window = std::min(kFirstWindow, options_.closure_window);
     for (int round = 0; round < options_.closure_rounds; ++round) {
       Tell("closing loops", static_cast<double>(round) / options_.closure_rounds);
       bool has_left = false;
       const std::vector<Closure> found = search->Search(poses_, believed_, window, &has_left);
-      // Only where near things are settled is it worth looking far.
-      if (found.size() * 50 <= suspects.size()) {
+      if (found.size() * kSettled <= suspects_.size()) {
         if (found.empty() && !has_left) break;
         window = std::min(2 * window, options_.closure_window);
       }
       if (found.empty()) continue;
-      suspects.insert(suspects.end(), found.begin(), found.end());
-      const Graph graph = WithClosures(suspects);
-      RejectionOptions rejection;
-      rejection.reject_outliers = Rejection::kGncTls;
-      rejection.trusted_sources = "odometry,scan";
-      const RobustSolution robust = SolveWithoutOutliers(graph, rejection, options_.solve);
-      believed_.clear();
-      for (std::size_t i = 0; i < suspects.size(); ++i)
-        if (robust.is_kept[chain_factors_ + i]) believed_.push_back(suspects[i]);
-      TakePoses(robust.solution.values);
-      ++mission_.report.rounds;
-      if (getenv("DBG"))
-        printf("round %d window %.1f found %zu of %zu searches, suspects %zu kept %zu  gnc %.2f s cost %.1f\n", round, window, has_left, found.size(), search->Searches(),
-               suspects.size(), believed_.size(), robust.rejection.seconds, robust.solution.report.final_cost);
+      suspects_.insert(suspects_.end(), found.begin(), found.end());
+      Settle(search);
     }
-    mission_.report.searches = search->Searches();
-    mission_.report.found = suspects.size();
-    mission_.report.rejected = suspects.size() - believed_.size();
+  }
+
+  // Robots whose starts nobody knows: meetings that agree with each other join them.
+  void Join(LoopSearch* search) {
+    while (Pieces() > 1) {
+      Tell("joining robots", 1 / static_cast<double>(Pieces()));
+      const std::vector<Closure> found = search->Meetings(poses_);
+      if (found.empty()) return;
+      std::vector<Closure> all = believed_;
+      all.insert(all.end(), found.begin(), found.end());
+      std::vector<FactorId> ids;
+      for (std::size_t i = 0; i < found.size(); ++i)
+        ids.push_back(static_cast<FactorId>(chain_factors_ + believed_.size() + i));
+      const ConsistencyResult consistent = FindConsistent(WithClosures(all), ids);
+      std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Closure>> by_pair;
+      for (std::size_t i = 0; i < found.size(); ++i)
+        if (consistent.is_kept[i])
+          by_pair[{nodes_[found[i].a].robot, nodes_[found[i].b].robot}].push_back(found[i]);
+      const std::vector<Closure> before = suspects_;
+      for (const auto& [robots, meetings] : by_pair)
+        if (meetings.size() >= kLeastMeetings)
+          suspects_.insert(suspects_.end(), meetings.begin(), meetings.end());
+      const std::size_t pieces = Pieces();
+      if (suspects_.size() == before.size()) return;
+      try {
+        Settle(search);
+      } catch (const Error& error) {
+        if (error.Kind() != ErrorKind::kIllPosed) throw;
+        suspects_ = before;  // they did not agree with the rest: the robots stay apart
+        SetPieces(believed_);
+        return;
+      }
+      if (Pieces() == pieces) return;
+      Close(search);
+    }
   }
 
   void Refine(LoopSearch* search) {
-    std::vector<Closure> overlaps;
+    std::vector<Closure> all = believed_;
     for (int round = 0; round < options_.overlap_rounds; ++round) {
       Tell("refining", static_cast<double>(round) / options_.overlap_rounds);
-      overlaps = search->Overlaps(poses_);
-      std::vector<Closure> all = believed_;
+      const std::vector<Closure> overlaps = search->Overlaps(poses_);
+      all.resize(believed_.size());
       all.insert(all.end(), overlaps.begin(), overlaps.end());
-      Graph graph = WithClosures(all);
-      for (auto id = static_cast<FactorId>(chain_factors_); id < graph.FactorCount(); ++id)
-        graph.SetLoss(id, Loss{LossKind::kCauchy, 1.0});
-      const Solution solution = Solve(graph, options_.solve);
-      if (getenv("DBG"))
-        printf("overlaps %zu cost %.1f -> %.1f\n", overlaps.size(), solution.report.initial_cost, solution.report.final_cost);
-      TakePoses(solution.values);
-      if (round + 1 == options_.overlap_rounds) {
-        graph.SetValues(solution.values);
-        mission_.graph = std::move(graph);
-      }
+      mission_.report.overlaps = overlaps.size();
+      TakePoses(Solve(Whole(all), options_.solve).values);
     }
-    mission_.report.overlaps = overlaps.size();
+    mission_.graph = Whole(all);
     mission_.world_from_node = poses_;
+  }
+
+  // With every closure and overlap; those that disagree a little still count less.
+  Graph Whole(const std::vector<Closure>& closures) const {
+    Graph graph = WithClosures(closures);
+    for (std::size_t i = chain_factors_; i < graph.FactorCount(); ++i)
+      graph.SetLoss(static_cast<FactorId>(i), {LossKind::kCauchy, 1});
+    return graph;
   }
 
   // Between two nodes, what the solution moved them by fades from the one to the other.
@@ -190,7 +282,7 @@ class Builder {
   std::vector<std::size_t> first_node_;  // of each robot, and the end
   std::vector<Track> tracks_;            // without their nodes
   std::vector<PlanarPose> poses_;        // of nodes, as of the last solution
-  std::vector<Closure> believed_;
+  std::vector<Closure> suspects_, believed_;
   std::size_t chain_factors_ = 0;
 };
 

@@ -38,9 +38,16 @@ struct FrontEndOptions {
   double closure_sigma_yaw = 0.004;  ///< rad
   int closure_rounds = 20;
   int overlap_rounds = 2;         ///< of refinement: all that overlaps is matched once more
-  int threads = 2;
+  int threads = 0;                ///< 0: as many as the machine has
+  /// Where each robot begins, in one frame, and how well that is known.  Empty: nobody knows.
+  std::vector<PlanarPose> starts;
+  double start_sigma = 0.5;      ///< m
+  double start_sigma_yaw = 0.1;  ///< rad
   SolveOptions solve;
 };
+
+/// The one description of FrontEndOptions, but for the starts.
+const std::vector<OptionRow<FrontEndOptions>>& FrontEndOptionTable();
 
 /// A pose of the graph, and the scan that was taken there.
 struct MissionNode {
@@ -55,6 +62,7 @@ struct FrontEndReport {
   std::size_t rejected = 0;          ///< of these, inconsistent
   std::size_t overlaps = 0;          ///< matches between passes once poses were known
   std::size_t rounds = 0;
+  std::vector<std::uint32_t> piece_of_robot;  ///< robots of one piece are in one frame
   double seconds_follow = 0, seconds_close = 0, seconds_refine = 0;  ///< wall
 };
 

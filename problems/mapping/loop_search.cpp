@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <thread>
 
 #include "graticule/problems/mapping/parallel_for.hpp"
 #include "graticule/problems/mapping/point_refine.hpp"
@@ -22,11 +23,19 @@ constexpr double kCell = 0.05, kBlur = 0.07;            // m
 constexpr std::size_t kSearchPoints = 400, kRefinePoints = 1500;
 // Wider windows are searched on a coarser grid first, and then about what was found.
 constexpr double kWide = 0.8, kAroundCoarse = 0.2, kAroundCoarseYaw = 0.03;  // m, m, rad
+// Robots that may be anywhere: every so many places, and how much better than near ones.
+constexpr std::size_t kMeetingStride = 4, kMostMeetings = 6000;
+constexpr double kMeetingReach = 5, kMeetingScore = 0.1;  // m
 constexpr double kLeastMatched = 0.5;
 constexpr double kPointSigma = 0.04;    // m: of a point, as if points were independent
 constexpr double kStretchScans = 10;    // scans of a stretch say the same: count as one
 constexpr double kOverlapDistance = 2.5, kOverlapWay = 5, kOverlapReach = 2;  // m
 constexpr double kOverlapShift = 0.3, kOverlapTurn = 0.1;                     // m, rad
+
+std::size_t ThreadsOf(const FrontEndOptions& options) {
+  if (options.threads > 0) return static_cast<std::size_t>(options.threads);
+  return std::max(std::thread::hardware_concurrency(), 1u);
+}
 
 double Distance(const PlanarPose& a, const PlanarPose& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -62,12 +71,13 @@ Eigen::Matrix3d ChainInformation(const TrackNode& node, const FrontEndOptions& o
 }
 
 LoopSearch::LoopSearch(const std::vector<TrackNode>& nodes, const FrontEndOptions& options)
-    : nodes_(nodes), options_(options) {
+    : nodes_(nodes), options_(options), threads_(ThreadsOf(options)) {
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i].is_first ||
         nodes[i].travelled >= nodes[places_.back()].travelled + kPlaceDistance)
       places_.push_back(i);
     place_of_.push_back(static_cast<std::uint32_t>(places_.size() - 1));
+    pieces_.resize(nodes[i].robot + 1, options.starts.empty() ? nodes[i].robot : 0);
   }
 }
 
@@ -86,9 +96,7 @@ void LoopSearch::Stretch(std::uint32_t node, double reach, const std::vector<Pla
     AppendTransformed(nodes_[i].points, node_from_world * poses[i], points);
 }
 
-std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
-    const std::vector<PlanarPose>& poses, const std::vector<Closure>& believed, double window,
-    bool* has_left) const {
+std::vector<UncertainEdge> LoopSearch::PlaceEdges(const std::vector<Closure>& believed) const {
   std::vector<UncertainEdge> edges;
   Eigen::Matrix3d since = Eigen::Matrix3d::Zero();  // the last place
   for (std::uint32_t i = 1; i < nodes_.size(); ++i) {
@@ -107,15 +115,26 @@ std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
     information.diagonal() += Eigen::Vector3d::Constant(1e-2);
     edges.push_back({place_of_[closure.a], place_of_[closure.b], information.inverse()});
   }
+  if (options_.starts.empty()) return edges;
+  for (std::uint32_t i = 1; i < nodes_.size(); ++i) {
+    if (!nodes_[i].is_first) continue;
+    const double m = options_.start_sigma, rad = options_.start_sigma_yaw;
+    edges.push_back({0, place_of_[i], Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal()});
+  }
+  return edges;
+}
+
+std::vector<LoopSearch::Candidate> LoopSearch::Candidates(const std::vector<PlanarPose>& poses,
+                                                          const std::vector<Closure>& believed,
+                                                          double window, bool* has_left) const {
   std::vector<PlanarPose> place_poses;
   for (const std::uint32_t node : places_) place_poses.push_back(poses[node]);
 
   std::vector<std::vector<Candidate>> found(places_.size());
-  const auto threads = static_cast<std::size_t>(options_.threads);
-  std::vector<RelativeUncertainty> uncertainty(threads,
-                                               RelativeUncertainty(places_.size(), edges));
+  std::vector<RelativeUncertainty> uncertainty(
+      threads_, RelativeUncertainty(places_.size(), PlaceEdges(believed)));
   std::atomic<bool> is_left{false};
-  ParallelFor(places_.size(), threads, [&](std::size_t worker, std::size_t b) {
+  ParallelFor(places_.size(), threads_, [&](std::size_t worker, std::size_t b) {
     const auto to = static_cast<std::uint32_t>(b);
     RelativeUncertainty& known = uncertainty[worker];
     known.From(to, place_poses);
@@ -183,26 +202,22 @@ std::vector<LoopSearch::Candidate> LoopSearch::Candidates(
   return all;
 }
 
-bool LoopSearch::Try(const Candidate& candidate, const std::vector<PlanarPose>& poses,
-                     Worker* worker, Closure* closure) const {
-  const std::uint32_t a = places_[candidate.a], b = places_[candidate.b];
-  Stretch(a, kReferenceReach, poses, &worker->reference);
-  Stretch(b, kQueryReach, poses, &worker->query);
-  SearchWindow window;
-  window.guess = Inverse(poses[a]) * poses[b];
-  window.reach = candidate.reach;
-  window.reach_yaw = candidate.reach_yaw;
+bool LoopSearch::Try(const Trial& trial, const std::vector<PlanarPose>& poses, Worker* worker,
+                     Closure* closure) const {
+  Stretch(trial.a, kReferenceReach, poses, &worker->reference);
+  Stretch(trial.b, kQueryReach, poses, &worker->query);
+  SearchWindow window = trial.window;
   Match match;
   if (window.reach > kWide) {
     worker->coarse_grid.Build(worker->reference, 0, 0, options_.max_range);
     if (!worker->matcher.Search(worker->coarse_grid, Thinned(worker->query, kSearchPoints / 2),
-                                window, options_.closure_score, &match))
+                                window, trial.least_score, &match))
       return false;
     window = {match.reference_from_scan, kAroundCoarse, kAroundCoarseYaw, HUGE_VAL, HUGE_VAL};
   }
   worker->grid.Build(worker->reference, 0, 0, options_.max_range);
   if (!worker->matcher.Search(worker->grid, Thinned(worker->query, kSearchPoints), window,
-                              options_.closure_score, &match))
+                              trial.least_score, &match))
     return false;
   worker->index.Build(worker->reference);
   RefineOptions refine;
@@ -212,8 +227,8 @@ bool LoopSearch::Try(const Candidate& candidate, const std::vector<PlanarPose>& 
                      match.reference_from_scan, match.reference_from_scan,
                      Eigen::Vector3d(10, 10, 100).asDiagonal(), 0.03, refine);
   if (refined.matched < kLeastMatched) return false;
-  closure->a = a;
-  closure->b = b;
+  closure->a = trial.a;
+  closure->b = trial.b;
   closure->a_from_b = refined.reference_from_scan;
   closure->information =
       WithFloor(refined.information / (kPointSigma * kPointSigma * kStretchScans),
@@ -227,16 +242,29 @@ std::vector<Closure> LoopSearch::Search(const std::vector<PlanarPose>& poses,
                                         const std::vector<Closure>& believed, double window,
                                         bool* has_left) {
   const std::vector<Candidate> candidates = Candidates(poses, believed, window, has_left);
-  for (const Candidate& candidate : candidates)
-    tried_[{candidate.a, candidate.b}] = {
-        Inverse(poses[places_[candidate.a]]) * poses[places_[candidate.b]], candidate.reach};
-  searches_ += candidates.size();
-  const auto threads = static_cast<std::size_t>(options_.threads);
-  std::vector<Worker> workers(threads);
-  std::vector<Closure> found(candidates.size());
-  std::vector<std::uint8_t> is_found(candidates.size());
-  ParallelFor(candidates.size(), threads, [&](std::size_t worker, std::size_t i) {
-    is_found[i] = Try(candidates[i], poses, &workers[worker], &found[i]);
+  std::vector<Trial> trials;
+  for (const Candidate& candidate : candidates) {
+    Trial trial;
+    trial.a = places_[candidate.a];
+    trial.b = places_[candidate.b];
+    trial.window.guess = Inverse(poses[trial.a]) * poses[trial.b];
+    trial.window.reach = candidate.reach;
+    trial.window.reach_yaw = candidate.reach_yaw;
+    trial.least_score = options_.closure_score;
+    tried_[{candidate.a, candidate.b}] = {trial.window.guess, candidate.reach};
+    trials.push_back(trial);
+  }
+  return TryAll(trials, poses);
+}
+
+std::vector<Closure> LoopSearch::TryAll(const std::vector<Trial>& trials,
+                                        const std::vector<PlanarPose>& poses) {
+  searches_ += trials.size();
+  std::vector<Worker> workers(threads_);
+  std::vector<Closure> found(trials.size());
+  std::vector<std::uint8_t> is_found(trials.size());
+  ParallelFor(trials.size(), threads_, [&](std::size_t worker, std::size_t i) {
+    is_found[i] = Try(trials[i], poses, &workers[worker], &found[i]);
   });
   std::vector<Closure> closures;
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -244,11 +272,31 @@ std::vector<Closure> LoopSearch::Search(const std::vector<PlanarPose>& poses,
   return closures;
 }
 
+std::vector<Closure> LoopSearch::Meetings(const std::vector<PlanarPose>& poses) {
+  std::vector<Trial> trials;
+  for (std::size_t b = 0; b < places_.size(); b += kMeetingStride)
+    for (std::size_t a = 0; a < b; a += kMeetingStride) {
+      Trial trial;
+      trial.a = places_[a];
+      trial.b = places_[b];
+      if (pieces_[nodes_[trial.a].robot] == pieces_[nodes_[trial.b].robot]) continue;
+      trial.window.reach = kMeetingReach;
+      trial.window.reach_yaw = M_PI;
+      trial.least_score = std::min(options_.closure_score + kMeetingScore, 0.9);
+      trials.push_back(trial);
+    }
+  if (trials.size() > kMostMeetings) {
+    for (std::size_t i = 0; i < kMostMeetings; ++i)
+      trials[i] = trials[i * trials.size() / kMostMeetings];
+    trials.resize(kMostMeetings);
+  }
+  return TryAll(trials, poses);
+}
+
 std::vector<Closure> LoopSearch::Overlaps(const std::vector<PlanarPose>& poses) {
-  const auto threads = static_cast<std::size_t>(options_.threads);
-  std::vector<Worker> workers(threads);
+  std::vector<Worker> workers(threads_);
   std::vector<std::vector<Closure>> found(places_.size());
-  ParallelFor(places_.size(), threads, [&](std::size_t worker, std::size_t place) {
+  ParallelFor(places_.size(), threads_, [&](std::size_t worker, std::size_t place) {
     const std::uint32_t a = places_[place];
     Worker& own = workers[worker];
     bool is_built = false;
@@ -257,7 +305,9 @@ std::vector<Closure> LoopSearch::Overlaps(const std::vector<PlanarPose>& poses) 
       if (nodes_[a].robot == nodes_[b].robot &&
           nodes_[b].travelled - nodes_[a].travelled < kOverlapWay)
         continue;
-      if (nodes_[a].robot != nodes_[b].robot && b < a) continue;
+      if (nodes_[a].robot != nodes_[b].robot &&
+          (b < a || pieces_[nodes_[a].robot] != pieces_[nodes_[b].robot]))
+        continue;
       // Of the places of this pass, the nearest.
       const double distance = Distance(poses[a], poses[b]);
       bool is_nearest = true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "graticule/problems/mapping/relative_uncertainty.hpp"
+#include "graticule/problems/mapping/scan_match.hpp"
 #include "graticule/problems/mapping/scan_track.hpp"
 
 namespace graticule {
@@ -37,6 +38,14 @@ class LoopSearch {
   std::vector<Closure> Search(const std::vector<PlanarPose>& poses,
                               const std::vector<Closure>& believed, double window, bool* has_left);
 
+  /// Closures between robots of different pieces (SetPieces): any stretch may be any other, turned
+  /// by any angle.  Evenly chosen stretches, kMostMeetings searches at most.
+  std::vector<Closure> Meetings(const std::vector<PlanarPose>& poses);
+
+  /// Robots of one piece have their poses in one frame; of each robot, the piece's number.  At
+  /// first, each robot is a piece, unless options say where all start.
+  void SetPieces(std::vector<std::uint32_t> piece_of_robot) { pieces_ = std::move(piece_of_robot); }
+
   /// With poses known well: of each node and each stretch of nodes near it but for those just
   /// before and after, the match on points.
   std::vector<Closure> Overlaps(const std::vector<PlanarPose>& poses);
@@ -48,12 +57,20 @@ class LoopSearch {
     std::uint32_t a = 0, b = 0;  // places
     double reach = 0, reach_yaw = 0, cost = 0;
   };
+  struct Trial {
+    std::uint32_t a = 0, b = 0;  // nodes
+    SearchWindow window;
+    double least_score = 0;
+  };
   struct Worker;
 
   std::vector<Candidate> Candidates(const std::vector<PlanarPose>& poses,
                                     const std::vector<Closure>& believed, double window,
                                     bool* has_left) const;
-  bool Try(const Candidate& candidate, const std::vector<PlanarPose>& poses, Worker* worker,
+  std::vector<UncertainEdge> PlaceEdges(const std::vector<Closure>& believed) const;
+  std::vector<Closure> TryAll(const std::vector<Trial>& trials,
+                              const std::vector<PlanarPose>& poses);
+  bool Try(const Trial& trial, const std::vector<PlanarPose>& poses, Worker* worker,
            Closure* closure) const;
   /// Points of nodes whose way is no farther than `reach` from a node, in its frame.
   void Stretch(std::uint32_t node, double reach, const std::vector<PlanarPose>& poses,
@@ -68,6 +85,8 @@ class LoopSearch {
     double reach;
   };
   std::map<std::pair<std::uint32_t, std::uint32_t>, Tried> tried_;
+  std::size_t threads_ = 1;
+  std::vector<std::uint32_t> pieces_;  // of each robot
   std::size_t searches_ = 0;
 };
 

@@ -1,5 +1,6 @@
 #include "graticule/problems/mapping/scan_match.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -113,6 +114,46 @@ bool CorrelativeMatcher::Search(const LikelihoodGrid& grid, Span<const SurfacePo
         if (x < side && y < side) push({0, node.yaw, x, y, node.level - 1});
   }
   return false;
+}
+
+std::array<double, 9> CorrelativeMatcher::Covariance(const LikelihoodGrid& grid,
+                                                     Span<const SurfacePoint> points,
+                                                     const PlanarPose& pose, int cells) {
+  cell_ = grid.Cell();
+  SearchWindow window;
+  window.guess = pose;
+  window.reach = cells * cell_;
+  window.reach_yaw = cells * YawStep(points, cell_);
+  Rotate(grid, points, window);
+  const auto at = [&](std::int32_t yaw, std::int32_t y, std::int32_t x) {
+    return MeanBound(grid, {0, yaw, x, y, 0});
+  };
+  const double scale = kPointWeight * static_cast<double>(count_);
+  const double centre = at(half_yaw_, half_, half_);
+  double sum = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (std::int32_t yaw = 0; yaw <= 2 * half_yaw_; ++yaw)
+    for (std::int32_t y = 0; y <= 2 * half_; ++y)
+      for (std::int32_t x = 0; x <= 2 * half_; ++x) {
+        const double weight = std::exp(scale * (at(yaw, y, x) - centre));
+        const Eigen::Vector3d d((x - half_) * cell_, (y - half_) * cell_,
+                                (yaw - half_yaw_) * step_yaw_);
+        sum += weight;
+        mean += weight * d;
+        squares.noalias() += weight * d * d.transpose();
+      }
+  mean /= sum;
+  Eigen::Matrix3d covariance = squares / sum - mean * mean.transpose();
+  // Where all but one pose of the grid are unlikely, the grid is what limits it.
+  covariance.diagonal() += Eigen::Vector3d(cell_ * cell_, cell_ * cell_, step_yaw_ * step_yaw_) / 12;
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  Eigen::Matrix3d scan_from_reference;
+  scan_from_reference << c, s, 0, -s, c, 0, 0, 0, 1;
+  covariance = scan_from_reference * covariance * scan_from_reference.transpose().eval();
+  std::array<double, 9> rows{};
+  for (int i = 0; i < 9; ++i) rows[static_cast<std::size_t>(i)] = covariance(i / 3, i % 3);
+  return rows;
 }
 
 }  // namespace graticule

@@ -76,11 +76,6 @@ class Follower {
     const Refinement refined = RefineOnPoints(index_, points, match.reference_from_scan,
                                               window.guess, prior, kResidualSigma, refine);
     const PlanarPose& in_last = refined.reference_from_scan;
-    if (getenv("DBG3")) {
-      const PlanarPose d = Inverse(window.guess) * in_last, m = Inverse(window.guess) * match.reference_from_scan;
-      if (std::abs(d.yaw) > 0.06 || std::hypot(d.x, d.y) > 0.15 || refined.matched < 0.4)
-        printf("T %zu step %.3f %.3f %.3f odd %.3f %.3f %.3f match %.3f %.3f %.3f score %.2f matched %.2f rms %.3f points %zu\n", scan, step.x, step.y, step.yaw, d.x, d.y, d.yaw, m.x, m.y, m.yaw, match.score, refined.matched, refined.rms, points.size());
-    }
     pose_ = last * in_last;
     if (std::hypot(in_last.x, in_last.y) < options_.node_distance &&
         std::abs(in_last.yaw) < options_.node_turn)
