@@ -177,6 +177,9 @@ void AddMap(CLI::App* app, Chosen* chosen) {
   sub->add_option("--datum", command->datum,
                   "where on the Earth the map's origin is: LAT,LON or LAT,LON,HEIGHT; x is east");
   sub->add_option("--truth", command->truth, "a true map (map_server YAML) to compare with");
+  sub->add_option("--relations", command->relations,
+                  "true relations between poses at two times (Kuemmerle et al. 2009): t1 t2 x y z "
+                  "roll pitch yaw");
   sub->add_flag("--record", command->record, "keep the factor graph of every update (.fg)");
   sub->add_flag("--skip-bad", command->skip_bad, "pass over bad lines of a log, and count them");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");

@@ -2,8 +2,17 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "graticule/io/carmen.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/readable.hpp"
+#include "graticule/problems/mapping/front_end.hpp"
+#include "graticule/problems/mapping/relation_error.hpp"
+#include "graticule/solver/stopwatch.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -19,14 +28,83 @@ Mission FromG2o(const MapCommand& command, const Registry& types, const Console&
   return MissionFromG2o(std::move(recording.graph), ParseG2oLaser(ReadFile(file), file), file);
 }
 
+// A log a robot.  What was passed over is said.
+LaserLog ReadLogs(const MapCommand& command, MapReport* report) {
+  LaserLog log;
+  for (const std::string& file : command.logs) {
+    CarmenOptions options;
+    options.skip_bad = command.skip_bad;
+    const CarmenSummary summary = ParseCarmen(ReadFile(file), file, options, &log);
+    if (summary.skipped > 0)
+      report->warnings.push_back(fmt::format("{}: {} lines were passed over, the first: {}", file,
+                                             summary.skipped, summary.first_skipped));
+    if (summary.times == LogTimes::kNone)
+      report->warnings.push_back(file + ": its lines do not say when; scans count as seconds");
+  }
+  return log;
+}
+
+RelationError ErrorOf(const LaserLog& log, const std::vector<PlanarPose>& world_from_scan,
+                      const std::string& relations) {
+  std::vector<TimedPose> poses;
+  for (std::size_t i = 0; i < log.scans.size(); ++i)
+    poses.push_back({log.scans[i].time, world_from_scan[i]});
+  return CompareWithRelations(std::move(poses), ParseRelations(ReadFile(relations), relations));
+}
+
+// Makes the pose graph, which is solved already.
+Mission FromLogs(const MapCommand& command, const Registry& types, MapReport* report,
+                 const Console& console) {
+  LaserLog log = ReadLogs(command, report);
+  const Stopwatch clock;
+  FrontEndResult built = BuildMission(log, types, {}, [&](const std::string& stage, double done) {
+    console.Progress(fmt::format("{}: {:.0f} %", stage, 100 * done));
+  });
+  console.Progress("");
+  const FrontEndReport& did = built.report;
+  report->facts.emplace_back(
+      "graph", fmt::format("in {}: {} closures found in {} searches, {} rejected, {} overlaps",
+                           Seconds(clock.Elapsed().wall), did.found, did.searches, did.rejected,
+                           did.overlaps));
+  const std::set<std::uint32_t> pieces(did.piece_of_robot.begin(), did.piece_of_robot.end());
+  if (pieces.size() > 1)
+    report->warnings.push_back(fmt::format(
+        "the robots never met: {} maps that lie on each other by chance", pieces.size()));
+  if (!command.relations.empty()) {
+    const RelationError error = ErrorOf(log, built.world_from_scan, command.relations);
+    report->facts.emplace_back(
+        "relations",
+        fmt::format("{} ({} unmatched): {:.4f} ± {:.4f} m, {:.3f} ± {:.3f} degrees",
+                    error.relations, error.unmatched, error.translation_m.mean,
+                    error.translation_m.deviation, error.rotation_rad.mean * 180 / M_PI,
+                    error.rotation_rad.deviation * 180 / M_PI));
+  }
+  Mission mission{std::move(log), std::move(built.graph), {}};
+  for (const FrontEndNode& node : built.nodes)
+    mission.nodes.push_back({mission.graph.Find(node.key), node.scan});
+  std::stable_sort(mission.nodes.begin(), mission.nodes.end(),
+                   [&](const MissionNode& a, const MissionNode& b) {
+                     return mission.TimeOf(a) < mission.TimeOf(b);
+                   });
+  return mission;
+}
+
 }  // namespace
 
 Mission LoadMission(const MapCommand& command, const Registry& types, MapReport* report,
                     const Console& console) {
-  if (command.logs.size() > 1 || Ending(command.logs.front()) != ".g2o")
-    throw Error("logs without a pose graph are not read yet", ErrorKind::kUsage);
-  Mission mission = FromG2o(command, types, console);
-  report->title = command.logs.front();
+  const auto is_g2o = [](const std::string& file) { return Ending(file) == ".g2o"; };
+  const bool has_graph = std::any_of(command.logs.begin(), command.logs.end(), is_g2o);
+  if (has_graph && command.logs.size() > 1)
+    throw Error("a .g2o file with scans is a mission by itself: it goes with no other log",
+                ErrorKind::kUsage);
+  if (has_graph && !command.relations.empty())
+    throw Error("--relations needs logs with times, not a .g2o file", ErrorKind::kUsage);
+  report->title = std::filesystem::path(command.logs.front()).filename().string();
+  if (command.logs.size() > 1)
+    report->title += fmt::format(" and {} more", command.logs.size() - 1);
+  Mission mission =
+      has_graph ? FromG2o(command, types, console) : FromLogs(command, types, report, console);
   if (mission.nodes.empty())
     throw Error(command.logs.front() + ": there are no scans to make a map of", ErrorKind::kOther);
   report->facts.emplace_back("robots", std::to_string(mission.log.robots.size()));

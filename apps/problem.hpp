@@ -51,8 +51,8 @@ void ExpectEnding(const std::string& path, const char* option,
 std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::string& path,
                                                                  const Graph& graph);
 
-/// Who made a recording, and from what: "graticule 0.1.0 convert a.g2o".  Names no outputs: the same
-/// words give the same bytes wherever they are written.
+/// Who made a recording, and from what: "graticule 0.1.0 convert a.g2o".  Names no outputs: the
+/// same words give the same bytes wherever they are written.
 std::string MadeBy(const std::string& words);
 
 /// "1234 se2/1, 20 point2/1": how many of each type.

@@ -14,7 +14,7 @@
 
 using namespace graticule;
 
-static void Draw(const LaserLog& log, const Mission& m, const std::string& path) {
+static void Draw(const LaserLog& log, const FrontEndResult& m, const std::string& path) {
   double lx = 1e9, ly = 1e9, hx = -1e9, hy = -1e9;
   for (const auto& n : m.world_from_node) {
     lx = std::min(lx, n.x), ly = std::min(ly, n.y);
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
     watch.Restart();
     if (getenv("CR")) o.closure_rounds = atoi(getenv("CR"));
     if (getenv("OR")) o.overlap_rounds = atoi(getenv("OR"));
-    const Mission mission = BuildMission(log, Builtins(), o);
+    const FrontEndResult mission = BuildMission(log, Builtins(), o);
     const double s = watch.Elapsed().wall;
     const auto& r = mission.report;
     fmt::print("{} nodes, {} searches, {} found, {} rejected, {} overlaps; follow {:.2f} close {:.2f} refine {:.2f} s cpu {:.2f}\n", r.nodes, r.searches, r.found, r.rejected, r.overlaps, r.seconds_follow, r.seconds_close, r.seconds_refine, watch.Elapsed().cpu);

@@ -50,7 +50,7 @@ struct FrontEndOptions {
 const std::vector<OptionRow<FrontEndOptions>>& FrontEndOptionTable();
 
 /// A pose of the graph, and the scan that was taken there.
-struct MissionNode {
+struct FrontEndNode {
   Key key;
   std::size_t scan = 0;  ///< into LaserLog::scans
 };
@@ -67,14 +67,14 @@ struct FrontEndReport {
 };
 
 /// A log as a pose graph, solved.
-struct Mission {
-  explicit Mission(Registry types) : graph(std::move(types)) {}
+struct FrontEndResult {
+  explicit FrontEndResult(Registry types) : graph(std::move(types)) {}
 
   /// se2/1 "robot:N" along each robot's way; between_se2/1 of the sources "odometry", "scan" (a
   /// match with the nodes before) and "loop".  The values are the solution; the first pose is
   /// fixed.
   Graph graph;
-  std::vector<MissionNode> nodes;               ///< robot by robot, in the order of their keys
+  std::vector<FrontEndNode> nodes;               ///< robot by robot, in the order of their keys
   std::vector<PlanarPose> world_from_node;      ///< of nodes
   std::vector<PlanarPose> world_from_scan;      ///< robot's pose at every scan of the log
   FrontEndReport report;
@@ -95,7 +95,7 @@ using FrontEndObserver = std::function<void(const std::string& stage, double don
 ///
 /// Deterministic whatever `threads` is.  Throws Error: no scan, a scan without any point where a
 /// robot begins.
-Mission BuildMission(const LaserLog& log, const Registry& types, const FrontEndOptions& options = {},
+FrontEndResult BuildMission(const LaserLog& log, const Registry& types, const FrontEndOptions& options = {},
                      const FrontEndObserver& watch = {});
 
 }  // namespace graticule
