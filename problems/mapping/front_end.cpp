@@ -18,8 +18,8 @@
 namespace graticule {
 namespace {
 
-constexpr double kFirstWindow = 2;       // m
-constexpr std::size_t kSettled = 50;     // fewer than one closure in so many is new: look farther
+constexpr double kFirstWindow = 2;         // m
+constexpr std::size_t kSettled = 50;       // fewer than one closure in so many is new: look farther
 constexpr std::size_t kLeastMeetings = 4;  // that agree, for two robots to be joined
 
 class Builder {
@@ -92,8 +92,7 @@ class Builder {
       if (node.is_first) continue;
       const MotionSigmas sigmas = SigmasOf(node.odometry_step, options_);
       graph.Add(Between(i - 1, i, node.odometry_step,
-                        Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}),
-                        "odometry"));
+                        Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}), "odometry"));
       graph.Add(Between(i - 1, i, node.match_step,
                         InformationNoise(MatchInformation(node, options_)), "scan"));
     }
@@ -288,8 +287,8 @@ class Builder {
 
 }  // namespace
 
-FrontEndResult BuildMission(const LaserLog& log, const Registry& types, const FrontEndOptions& options,
-                     const FrontEndObserver& watch) {
+FrontEndResult BuildMission(const LaserLog& log, const Registry& types,
+                            const FrontEndOptions& options, const FrontEndObserver& watch) {
   return Builder(log, types, options, watch).Build();
 }
 

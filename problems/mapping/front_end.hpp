@@ -25,20 +25,20 @@ struct FrontEndOptions {
   double odometry_sigma_yaw = 0.05;       ///< rad; laser and wheels are not read at one time
   double odometry_sigma_per_turn = 0.2;   ///< rad a rad
   // matching
-  double max_range = 30;     ///< m
+  double max_range = 30;        ///< m
   double point_spacing = 0.02;  ///< m
-  int local_nodes = 15;      ///< that a scan is matched against
-  double drift_sigma = 0.005;      ///< m, of a match with the nodes before, besides what its points say
+  int local_nodes = 15;         ///< that a scan is matched against
+  double drift_sigma = 0.005;  ///< m, of a match with the nodes before, besides what its points say
   double drift_sigma_yaw = 0.002;  ///< rad
   // closures
-  double closure_reach = 3;       ///< m; places no farther apart than this are looked at
-  double closure_window = 25;     ///< m; the farthest that a place is looked for
-  double closure_score = 0.5;     ///< mean likelihood of a closure's points
-  double closure_sigma = 0.02;    ///< m
+  double closure_reach = 3;          ///< m; places no farther apart than this are looked at
+  double closure_window = 25;        ///< m; the farthest that a place is looked for
+  double closure_score = 0.5;        ///< mean likelihood of a closure's points
+  double closure_sigma = 0.02;       ///< m
   double closure_sigma_yaw = 0.004;  ///< rad
   int closure_rounds = 20;
-  int overlap_rounds = 2;         ///< of refinement: all that overlaps is matched once more
-  int threads = 0;                ///< 0: as many as the machine has
+  int overlap_rounds = 2;  ///< of refinement: all that overlaps is matched once more
+  int threads = 0;         ///< 0: as many as the machine has
   /// Where each robot begins, in one frame, and how well that is known.  Empty: nobody knows.
   std::vector<PlanarPose> starts;
   double start_sigma = 0.5;      ///< m
@@ -57,10 +57,10 @@ struct FrontEndNode {
 
 struct FrontEndReport {
   std::size_t scans = 0, nodes = 0;
-  std::size_t searches = 0;          ///< closures that were looked for
-  std::size_t found = 0;             ///< of these, found
-  std::size_t rejected = 0;          ///< of these, inconsistent
-  std::size_t overlaps = 0;          ///< matches between passes once poses were known
+  std::size_t searches = 0;  ///< closures that were looked for
+  std::size_t found = 0;     ///< of these, found
+  std::size_t rejected = 0;  ///< of these, inconsistent
+  std::size_t overlaps = 0;  ///< matches between passes once poses were known
   std::size_t rounds = 0;
   std::vector<std::uint32_t> piece_of_robot;  ///< robots of one piece are in one frame
   double seconds_follow = 0, seconds_close = 0, seconds_refine = 0;  ///< wall
@@ -74,9 +74,9 @@ struct FrontEndResult {
   /// match with the nodes before) and "loop".  The values are the solution; the first pose is
   /// fixed.
   Graph graph;
-  std::vector<FrontEndNode> nodes;               ///< robot by robot, in the order of their keys
-  std::vector<PlanarPose> world_from_node;      ///< of nodes
-  std::vector<PlanarPose> world_from_scan;      ///< robot's pose at every scan of the log
+  std::vector<FrontEndNode> nodes;          ///< robot by robot, in the order of their keys
+  std::vector<PlanarPose> world_from_node;  ///< of nodes
+  std::vector<PlanarPose> world_from_scan;  ///< robot's pose at every scan of the log
   FrontEndReport report;
 };
 
@@ -95,7 +95,8 @@ using FrontEndObserver = std::function<void(const std::string& stage, double don
 ///
 /// Deterministic whatever `threads` is.  Throws Error: no scan, a scan without any point where a
 /// robot begins.
-FrontEndResult BuildMission(const LaserLog& log, const Registry& types, const FrontEndOptions& options = {},
-                     const FrontEndObserver& watch = {});
+FrontEndResult BuildMission(const LaserLog& log, const Registry& types,
+                            const FrontEndOptions& options = {},
+                            const FrontEndObserver& watch = {});
 
 }  // namespace graticule

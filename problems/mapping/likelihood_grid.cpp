@@ -75,9 +75,10 @@ void LikelihoodGrid::BuildPyramid() {
         std::uint8_t most = 0;
         for (int j = 2 * y; j <= std::min(2 * y + reach, below.height - 1); j += stride)
           for (int i = 2 * x; i <= std::min(2 * x + reach, below.width - 1); i += stride)
-            most = std::max(most, below.cells[static_cast<std::size_t>(j) *
-                                                  static_cast<std::size_t>(below.width) +
-                                              static_cast<std::size_t>(i)]);
+            most = std::max(
+                most,
+                below.cells[static_cast<std::size_t>(j) * static_cast<std::size_t>(below.width) +
+                            static_cast<std::size_t>(i)]);
         level.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) +
                     static_cast<std::size_t>(x)] = most;
       }

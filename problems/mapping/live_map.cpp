@@ -76,6 +76,18 @@ class LiveMap::Machine {
     for (NodeId id = 0; id < poses.size(); ++id) Move(id, poses[id]);
   }
 
+  MapUpdate UpdateExactly() {
+    limit_ = 0;
+    for (std::size_t slice = 0; slice < slices_.size(); ++slice) {
+      if (watched_flag_[slice]) continue;
+      watched_flag_[slice] = true;
+      watched_.push_back(slice);
+    }
+    MapUpdate update = Update(std::numeric_limits<double>::infinity());
+    limit_ = options_.regenerate_above * options_.resolution;
+    return update;
+  }
+
   MapUpdate Update(double deadline) {
     started_ = Clock::now();
     progress_ = false;
@@ -178,8 +190,7 @@ class LiveMap::Machine {
     Place& place = places_[id];
     place.pose = pose;
     if (place.slice == kNone || watched_flag_[place.slice]) return;
-    const double limit = options_.regenerate_above * options_.resolution;
-    if (ProjectionErrorBound(limit, place.reach, place.drawn_at, pose) == Bound::kWithin) return;
+    if (ProjectionErrorBound(limit_, place.reach, place.drawn_at, pose) == Bound::kWithin) return;
     watched_flag_[place.slice] = true;
     watched_.push_back(place.slice);
   }
@@ -215,9 +226,8 @@ class LiveMap::Machine {
   }
 
   bool IsStale(const Slice& slice) const {
-    const double limit = options_.regenerate_above * options_.resolution;
     for (const NodeId id : slice.nodes)
-      if (ProjectionErrorExceeds(limit, nodes_[id].points, places_[id].drawn_at, places_[id].pose))
+      if (ProjectionErrorExceeds(limit_, nodes_[id].points, places_[id].drawn_at, places_[id].pose))
         return true;
     return false;
   }
@@ -394,6 +404,7 @@ class LiveMap::Machine {
   std::vector<std::vector<ScanTile>> fresh_;
   Clock::time_point started_;  // this update
   double deadline_ = 0;
+  double limit_ = options_.regenerate_above * options_.resolution;  // m, that a slice may be off
   bool progress_ = false;  // this update has drawn something
   WorkEstimate work_;
   mutable std::mutex map_mutex_;  // held for the copy of a pointer only
@@ -417,6 +428,7 @@ void LiveMap::UpdatePoses(Span<const PlanarPose> world_from_robot) {
   machine_->UpdatePoses(world_from_robot);
 }
 MapUpdate LiveMap::Update(double deadline) { return machine_->Update(deadline); }
+MapUpdate LiveMap::UpdateExactly() { return machine_->UpdateExactly(); }
 std::shared_ptr<const OccupancyMap> LiveMap::Map() const { return machine_->Map(); }
 std::size_t LiveMap::NodeCount() const { return machine_->NodeCount(); }
 const std::vector<NodeId>& LiveMap::Cover() const { return machine_->Cover(); }

@@ -68,6 +68,10 @@ class LiveMap {
   /// One slice or node is done in any case, so that a deadline that is too short ends some time.
   MapUpdate Update(double deadline = std::numeric_limits<double>::infinity());
 
+  /// The same without a deadline, and draws every slice anew that has moved at all: the map is then
+  /// that of the cover's nodes where they are.
+  MapUpdate UpdateExactly();
+
   /// The map of the last update.  Thread-safe: waits for nothing but the copy of a pointer.
   std::shared_ptr<const OccupancyMap> Map() const;
 

@@ -8,9 +8,10 @@
 
 namespace graticule {
 
-/// Calls work(worker, i) for every i below count, from `threads` threads; `worker` says which, below
-/// threads, so that each may keep memory of its own.  What is written to places of its own for each
-/// i does not depend on the number of threads.  Rethrows what the first of the workers threw.
+/// Calls work(worker, i) for every i below count, from `threads` threads; `worker` says which,
+/// below threads, so that each may keep memory of its own.  What is written to places of its own
+/// for each i does not depend on the number of threads.  Rethrows what the first of the workers
+/// threw.
 template <class Work>
 void ParallelFor(std::size_t count, std::size_t threads, Work work) {
   std::atomic<std::size_t> next{0};

@@ -98,8 +98,7 @@ Refinement RefineOnPoints(const PointIndex& reference, Span<const SurfacePoint> 
           static_cast<float>(s * mx + c * my), static_cast<float>(reach));
       if (!q) continue;
       const double nx = static_cast<double>(q->nx), ny = static_cast<double>(q->ny);
-      const double r =
-          nx * (x - static_cast<double>(q->x)) + ny * (y - static_cast<double>(q->y));
+      const double r = nx * (x - static_cast<double>(q->x)) + ny * (y - static_cast<double>(q->y));
       const double bx = c * nx + s * ny, by = c * ny - s * nx;  // the normal, in the scan
       const Eigen::Vector3d j(bx, by, by * px - bx * py);
       const double w = 1 / (1 + r * r / (options.scale * options.scale));
@@ -120,8 +119,7 @@ Refinement RefineOnPoints(const PointIndex& reference, Span<const SurfacePoint> 
     turn << ca, -sa, 0, sa, ca, 0, 0, 0, 1;
     const Eigen::Vector3d d(apart.x, apart.y, apart.yaw);
     const Eigen::Matrix3d lambda = turn.transpose() * prior * turn;
-    const Eigen::Matrix3d a =
-        h + variance * lambda + kLeastDefinite * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d a = h + variance * lambda + kLeastDefinite * Eigen::Matrix3d::Identity();
     const Eigen::Vector3d b = g + variance * turn.transpose() * prior * d;
     const Eigen::Vector3d step = -a.ldlt().solve(b);
     if (!step.allFinite()) break;

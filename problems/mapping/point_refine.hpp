@@ -37,15 +37,15 @@ struct Refinement {
   PlanarPose reference_from_scan;
   /// Of [x y yaw] in the scan's frame, per unit variance of a residual, without the prior.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  double rms = 0;           ///< m, of the residuals, weighted
-  double matched = 0;       ///< share of the scan's points that have a correspondence
-  std::size_t points = 0;   ///< with a correspondence
+  double rms = 0;          ///< m, of the residuals, weighted
+  double matched = 0;      ///< share of the scan's points that have a correspondence
+  std::size_t points = 0;  ///< with a correspondence
 };
 
 /// The pose that minimises the distances of a scan's points to the lines of their nearest
 /// neighbours (Gauss-Newton, reweighted), and half of d' P d, with d the pose's distance from the
-/// guess in the scan's frame there and P `prior`.  Starts at the guess.  `residual_sigma` [m] weighs
-/// the two against each other.
+/// guess in the scan's frame there and P `prior`.  Starts at the guess.  `residual_sigma` [m]
+/// weighs the two against each other.
 Refinement RefineOnPoints(const PointIndex& reference, Span<const SurfacePoint> scan,
                           const PlanarPose& start, const PlanarPose& guess,
                           const Eigen::Matrix3d& prior, double residual_sigma,

@@ -22,8 +22,7 @@ inline Eigen::Matrix3d Adjoint(const PlanarPose& pose) {
 inline Eigen::Matrix3d WithFloor(const Eigen::Matrix3d& information, double sigma_m,
                                  double sigma_rad) {
   Eigen::Matrix3d floor = Eigen::Matrix3d::Zero();
-  floor.diagonal() << 1 / (sigma_m * sigma_m), 1 / (sigma_m * sigma_m),
-      1 / (sigma_rad * sigma_rad);
+  floor.diagonal() << 1 / (sigma_m * sigma_m), 1 / (sigma_m * sigma_m), 1 / (sigma_rad * sigma_rad);
   const Eigen::Matrix3d sum = information + floor;
   Eigen::Matrix3d result = floor - floor * sum.inverse() * floor;
   return (result + result.transpose().eval()) / 2;

@@ -17,9 +17,10 @@ struct UncertainEdge {
 
 /// How well poses of a graph are known from one of them: a bound of the marginal covariance, along
 /// the best path of edges to each (Dijkstra projection: Bosse et al., "Simultaneous localization
-/// and map building in large-scale cyclic environments using the Atlas framework", IJRR 2004; Olson,
-/// "Robust and efficient robotic mapping", 2008).  Unlike the marginals of one solve it costs the
-/// same whichever pose is asked from, and never says too little: other paths only add knowledge.
+/// and map building in large-scale cyclic environments using the Atlas framework", IJRR 2004;
+/// Olson, "Robust and efficient robotic mapping", 2008).  Unlike the marginals of one solve it
+/// costs the same whichever pose is asked from, and never says too little: other paths only add
+/// knowledge.
 class RelativeUncertainty {
  public:
   RelativeUncertainty(std::size_t poses, const std::vector<UncertainEdge>& edges);

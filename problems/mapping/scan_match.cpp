@@ -101,10 +101,9 @@ bool CorrelativeMatcher::Search(const LikelihoodGrid& grid, Span<const SurfacePo
     std::pop_heap(heap_.begin(), heap_.end(), Worse);
     heap_.pop_back();
     if (node.level == 0) {
-      best->reference_from_scan = {window.guess.x + (node.x - half_) * cell_,
-                                   window.guess.y + (node.y - half_) * cell_,
-                                   WrappedAngle(window.guess.yaw +
-                                                (node.yaw - half_yaw_) * step_yaw_)};
+      best->reference_from_scan = {
+          window.guess.x + (node.x - half_) * cell_, window.guess.y + (node.y - half_) * cell_,
+          WrappedAngle(window.guess.yaw + (node.yaw - half_yaw_) * step_yaw_)};
       best->score = (node.bound + Penalty(window, node)) / scale;
       return true;
     }
@@ -146,7 +145,8 @@ std::array<double, 9> CorrelativeMatcher::Covariance(const LikelihoodGrid& grid,
   mean /= sum;
   Eigen::Matrix3d covariance = squares / sum - mean * mean.transpose();
   // Where all but one pose of the grid are unlikely, the grid is what limits it.
-  covariance.diagonal() += Eigen::Vector3d(cell_ * cell_, cell_ * cell_, step_yaw_ * step_yaw_) / 12;
+  covariance.diagonal() +=
+      Eigen::Vector3d(cell_ * cell_, cell_ * cell_, step_yaw_ * step_yaw_) / 12;
   const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
   Eigen::Matrix3d scan_from_reference;
   scan_from_reference << c, s, 0, -s, c, 0, 0, 0, 1;

@@ -11,10 +11,10 @@ namespace graticule {
 
 /// Where to look for a pose: a guess, how far from it, and how far it is believed.
 struct SearchWindow {
-  PlanarPose guess;            ///< reference_from_scan
-  double reach = 0.3;          ///< m, to each side along x and y of the reference
-  double reach_yaw = 0.2;      ///< rad, to each side
-  double sigma = HUGE_VAL;     ///< m, of the guess, along x and y
+  PlanarPose guess;             ///< reference_from_scan
+  double reach = 0.3;           ///< m, to each side along x and y of the reference
+  double reach_yaw = 0.2;       ///< rad, to each side
+  double sigma = HUGE_VAL;      ///< m, of the guess, along x and y
   double sigma_yaw = HUGE_VAL;  ///< rad
 };
 

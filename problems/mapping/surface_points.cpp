@@ -62,8 +62,8 @@ std::vector<SurfacePoint> SurfacePoints(const LaserLog& log, const LaserScan& sc
                                         const SurfaceOptions& options) {
   const LaserGeometry& geometry = log.GeometryOf(scan);
   const Span<const float> ranges = log.RangesOf(scan);
-  const double far = geometry.max_range > 0 ? std::min(geometry.max_range, options.max_range)
-                                            : options.max_range;
+  const double far =
+      geometry.max_range > 0 ? std::min(geometry.max_range, options.max_range) : options.max_range;
   std::vector<Point> points;
   points.reserve(ranges.size());
   for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -98,8 +98,8 @@ void AppendTransformed(const std::vector<SurfacePoint>& points, const PlanarPose
               s = static_cast<float>(std::sin(frame.yaw));
   const float x = static_cast<float>(frame.x), y = static_cast<float>(frame.y);
   for (const SurfacePoint& p : points)
-    to->push_back({x + c * p.x - s * p.y, y + s * p.x + c * p.y, c * p.nx - s * p.ny,
-                   s * p.nx + c * p.ny});
+    to->push_back(
+        {x + c * p.x - s * p.y, y + s * p.x + c * p.y, c * p.nx - s * p.ny, s * p.nx + c * p.ny});
 }
 
 }  // namespace graticule

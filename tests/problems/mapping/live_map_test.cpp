@@ -282,5 +282,30 @@ TEST(LiveMap, RefusesBadInputAndStaysAsItWas) {
   refused([](LiveMapOptions* o) { o->threads = 0; }, "threads");
 }
 
+// What the tolerance leaves where it was is drawn where it is.
+TEST(LiveMap, UpdatesExactlyToWhereNodesAre) {
+  LiveMapOptions options;
+  options.cover.on = false;
+  LiveMap tolerant(options), fresh(options);
+  test::Team team(5);
+  const LaserGeometry laser = Laser(180);
+  std::vector<PlanarPose> poses;
+  for (int i = 0; i < 30; ++i) {
+    const PlanarPose pose = team.Place();
+    const std::vector<float> ranges = team.Ranges(laser, 180, pose);
+    tolerant.AddNode(0, laser, ranges, pose);
+    poses.push_back(pose * PlanarPose{0.03, -0.02, 0.001});
+    fresh.AddNode(0, laser, ranges, poses.back());
+  }
+  tolerant.Update();
+  tolerant.UpdatePoses(poses);
+  fresh.Update();
+  tolerant.Update();
+  EXPECT_FALSE(test::SameMap(*tolerant.Map(), *fresh.Map()));
+  EXPECT_GT(tolerant.UpdateExactly().regenerated_nodes, 20u);
+  EXPECT_TRUE(test::SameMap(*tolerant.Map(), *fresh.Map()));
+  EXPECT_EQ(tolerant.UpdateExactly().regenerated_nodes, 0u);
+}
+
 }  // namespace
 }  // namespace graticule
