@@ -13,6 +13,7 @@ namespace graticule {
 namespace {
 
 using testing::ExpectError;
+using testing::Minimum;
 using testing::Numbers;
 using testing::ObjectiveOf;
 using testing::Replay;
@@ -40,13 +41,11 @@ void ExpectNear(const Numbers& a, const Numbers& b, double tolerance, const std:
 // Values and covariances of `keys` are those of the whole problem, of which they are the minimum.
 void ExpectAsIn(const Graph& whole, const std::vector<Key>& keys, const Online& online,
                 double tolerance) {
-  SolveOptions options;
-  options.function_tolerance = options.parameter_tolerance = options.gradient_tolerance = 1e-20;
-  const Solution solution = Solve(whole, options);
-  const auto found = ComputeMarginals(whole, solution.values, keys, false);
+  const Values minimum = Minimum(whole);
+  const auto found = ComputeMarginals(whole, minimum, keys, false);
   const auto& marginals = std::get<Marginals>(found);
   for (const Key& key : keys) {
-    ExpectNear(At(*online.Latest(), key), At(solution.values, key), tolerance, key.ToString());
+    ExpectNear(At(*online.Latest(), key), At(minimum, key), tolerance, key.ToString());
     ExpectNear(online.Covariance(key), marginals.Covariance(key, key), tolerance, key.ToString());
   }
 }
@@ -108,18 +107,13 @@ TEST(OnlineMarginalise, MakesAFixedLagSmootherExactWhereTheProblemIsLinear) {
 }
 
 TEST(OnlineMarginalise, ChangesNothingWhereThePosesAre) {
-  // A minimiser knows a minimum to about the root of its objective's rounding.
-  constexpr double kNear = 1e-7;
   for (const bool planar : {true, false}) {
     const Graph graph =
         planar ? WithChords(Se2Loop(40, 0.02, 0.02), true) : Se3Loop(30, 0.02, 0.02);
     const char* family = planar ? "pose" : "body";
-    OnlineOptions options;
-    options.solve.function_tolerance = options.solve.gradient_tolerance =
-        options.solve.parameter_tolerance = 1e-20;
-    Online online(TestTypes(), options);
+    Online online(TestTypes(), WithoutShortCuts());
     Replay(graph, &online);
-    online.UpdateExactly();
+    for (int i = 0; i < 10; ++i) online.Update();
     Graph whole = online.Problem();
     whole.SetFixed(0, true);
     const auto gone = Keys(family, 3, 17);
@@ -127,10 +121,11 @@ TEST(OnlineMarginalise, ChangesNothingWhereThePosesAre) {
     online.Marginalise(gone);
     online.Update();
     const auto count = static_cast<unsigned>(graph.VariableCount());
-    ExpectAsIn(whole, Keys(family, 17, count), online, kNear);
+    ExpectAsIn(whole, Keys(family, 17, count), online, 1e-9);
     EXPECT_EQ(At(*online.Latest(), gone[2]), left_there);
     online.UpdateExactly();
-    ExpectAsIn(whole, Keys(family, 17, count), online, kNear);
+    online.Update();  // the last digits, which Solve does not see
+    ExpectAsIn(whole, Keys(family, 17, count), online, 1e-9);
     EXPECT_EQ(online.Problem().VariableCount(), count - 14);
     EXPECT_TRUE(online.Problem().IsFixed(0)) << "what holds the frame is fixed for good";
     EXPECT_EQ(At(*online.Latest(), gone[2]), left_there);

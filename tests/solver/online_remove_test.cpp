@@ -26,11 +26,7 @@ Factor FalseLoop(unsigned a, unsigned b) {
 
 TEST(OnlineRemove, GivesWhatTheGraphWithoutItGives) {
   const Graph graph = WithChords(Se2Loop(60, 0.02, 0.02), true);
-  SolveOptions to;
-  to.function_tolerance = to.gradient_tolerance = to.parameter_tolerance = 1e-15;
-  OnlineOptions options = WithoutShortCuts();
-  options.solve = to;
-  Online online(TestTypes(), options);
+  Online online(TestTypes(), WithoutShortCuts());
   std::vector<FactorId> wrong;
   Replay(graph, &online, [&](VariableId id, const OnlineReport&) {
     if (id == 30) wrong.push_back(online.Add(FalseLoop(2, 25)));
@@ -42,18 +38,21 @@ TEST(OnlineRemove, GivesWhatTheGraphWithoutItGives) {
   const OnlineReport report = online.Update();
   EXPECT_GT(report.eliminated, 1u);
   for (int i = 0; i < 20; ++i) online.Update();
-  const Solution batch = Solve(graph, to);
+  Graph held = graph;
+  held.SetFixed(0, true);
+  const Values minimum = testing::Minimum(held);
   const auto same = [&] {
     for (VariableId id = 0; id < graph.VariableCount(); ++id)
       for (std::size_t i = 0; i < 3; ++i)
-        EXPECT_NEAR((*online.Latest())[id][i], batch.values[id][i], 1e-9) << id;
+        EXPECT_NEAR((*online.Latest())[id][i], minimum[id][i], 1e-9) << id;
   };
   same();
   const double objective = online.UpdateExactly().objective;
-  EXPECT_NEAR(objective, batch.report.final_objective, 1e-9 * objective);
+  EXPECT_NEAR(objective, ObjectiveOf(graph, minimum), 1e-9 * objective);
+  online.Update();  // the last digits, which Solve does not see
   same();
   std::vector<Key> keys = {Key("pose:11"), Key("pose:25"), Key("pose:40")};
-  const auto found = ComputeMarginals(graph, batch.values, keys, false);
+  const auto found = ComputeMarginals(graph, minimum, keys, false);
   for (const Key& key : keys) {
     const Numbers expected = std::get<Marginals>(found).Covariance(key, key);
     const Numbers covariance = online.Covariance(key);
