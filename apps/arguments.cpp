@@ -177,6 +177,11 @@ void AddMap(CLI::App* app, Chosen* chosen) {
   sub->add_option("--datum", command->datum,
                   "where on the Earth the map's origin is: LAT,LON or LAT,LON,HEIGHT; x is east");
   sub->add_option("--truth", command->truth, "a true map (map_server YAML) to compare with");
+  sub->add_option("--start", command->starts,
+                  "where the robot of each log begins, in order: x,y,yaw in m and rad; without it, "
+                  "robots are joined where they meet")
+      ->type_name("X,Y,YAW")
+      ->allow_extra_args(false);
   sub->add_option("--relations", command->relations,
                   "true relations between poses at two times (Kuemmerle et al. 2009): t1 t2 x y z "
                   "roll pitch yaw");
@@ -277,6 +282,29 @@ void AddSimulate(CLI::App* app, Chosen* chosen) {
   AddReading(sub, &command->reading);
 }
 
+void AddSimulateMission(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<SimulateMissionCommand>();
+  CLI::App* sub = AddCommand(
+      app, "simulate-mission",
+      "make the laser logs of a team of robots in a simulated town, with the truth",
+      "  graticule simulate-mission -o mission/\n"
+      "  graticule simulate-mission --shape phase2-like -o mission/ && graticule map mission/*.log "
+      "--truth mission/truth.yaml -o out/",
+      command, chosen);
+  sub->add_option("-o,--output", command->output,
+                  "the folder for logs, true map, true trajectories and pose graph")
+      ->required();
+  sub->add_option("--shape", command->shape,
+                  "small: 4 robots, 10 minutes; keswick-like, phase2-like: as the thesis' sets")
+      ->check(CLI::IsMember({"small", "keswick-like", "phase2-like"}))
+      ->capture_default_str();
+  sub->add_option("--robots", command->robots, "instead of the shape's")
+      ->check(CLI::Range(1, 1000));
+  sub->add_option("--minutes", command->minutes, "instead of the shape's")
+      ->check(CLI::Range(0.1, 10000.0));
+  sub->add_option("--seed", command->seed)->capture_default_str();
+}
+
 void AddLists(CLI::App* app, Chosen* chosen) {
   auto options = std::make_shared<OptionsCommand>();
   AddCommand(app, "options", "list every option and the ready configurations",
@@ -330,6 +358,7 @@ int RunFromArguments(int argc, char** argv) {
   AddInspect(&app, &chosen);
   AddCheck(&app, &chosen);
   AddSimulate(&app, &chosen);
+  AddSimulateMission(&app, &chosen);
   AddLists(&app, &chosen);
   ExpectCommand(app, argc, argv);
   try {

@@ -62,6 +62,7 @@ struct MapCommand {
   int slice = 0, bias = 0;  ///< slice 0: the default of LiveMapOptions
   bool no_cover = false, record = false, json = false, skip_bad = false;
   std::string datum, truth, relations;
+  std::vector<std::string> starts;  ///< "x,y,yaw", one a log
 };
 
 struct ConvertCommand {
@@ -97,6 +98,13 @@ struct SimulateCommand {
   std::uint64_t seed = 1;
 };
 
+struct SimulateMissionCommand {
+  std::string output, shape = "small";
+  int robots = 0;      ///< 0: as the shape has them
+  double minutes = 0;  ///< 0: as long as the shape
+  std::uint64_t seed = 1;
+};
+
 struct OptionsCommand {
   bool markdown = false;
 };
@@ -114,6 +122,7 @@ int Run(const ConvertCommand& command, const Console& console);
 int Run(const InspectCommand& command, const Console& console);
 int Run(const CheckCommand& command, const Console& console);
 int Run(const SimulateCommand& command, const Console& console);
+int Run(const SimulateMissionCommand& command, const Console& console);
 int Run(const OptionsCommand& command, const Console& console);
 int Run(const TypesCommand& command, const Console& console);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
@@ -18,6 +17,7 @@
 #include "graticule/problems/mapping/map_mission.hpp"
 #include "graticule/solver/provenance.hpp"
 #include "mission_files.hpp"
+#include "output_folder.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -41,29 +41,12 @@ LiveMapOptions OptionsOf(const MapCommand& command) {
   return options;
 }
 
-// The folder that everything is written to.
-class Folder {
- public:
-  explicit Folder(const std::string& path) : path_(path) {
-    std::error_code error;
-    std::filesystem::create_directories(path_, error);
-    if (error || !std::filesystem::is_directory(path_))
-      throw Error(path + ": the folder cannot be made: " + error.message(), ErrorKind::kOther);
-    ExpectWritable(path_ / "map.yaml");
-  }
-  std::string Of(const std::string& name) const { return (path_ / name).string(); }
-  void Write(const std::string& name, std::string_view contents) { WriteFile(Of(name), contents); }
-
- private:
-  std::filesystem::path path_;
-};
-
 // The graphs of the sequence; each is kept where that is asked for.
-std::vector<MissionStep> Replay(const MapCommand& command, const Mission& mission, Folder* folder,
-                                const Console& console) {
+std::vector<MissionStep> Replay(const MapCommand& command, const Mission& mission,
+                                OutputFolder* folder, const Console& console) {
   std::vector<MissionStep> steps;
   MissionReplay replay(mission, command.every_s);
-  if (command.record) Folder(folder->Of("graphs"));
+  if (command.record) OutputFolder(folder->Of("graphs"));
   MissionStep step;
   while (!Interruptible::WasAsked() && replay.Next(&step)) {
     steps.push_back(step);
@@ -125,7 +108,7 @@ MapDrawing DrawingOf(const Mission& mission, const MissionStep& last, OccupancyG
 }
 
 void WriteTrajectories(const Mission& mission, const MissionStep& last, const std::string& datum,
-                       Folder* folder) {
+                       OutputFolder* folder) {
   std::vector<std::vector<StampedPose>> poses(mission.log.robots.size());
   std::vector<GeographicLine> lines;
   for (const std::string& robot : mission.log.robots) lines.push_back({robot, {}});
@@ -147,7 +130,7 @@ void WriteTrajectories(const Mission& mission, const MissionStep& last, const st
   folder->Write("trajectories.geojson", FormatGeoJson(lines));
 }
 
-void WriteGraph(const Mission& mission, const MissionStep& last, Folder* folder) {
+void WriteGraph(const Mission& mission, const MissionStep& last, OutputFolder* folder) {
   Recording recording(mission.graph.Types());
   recording.graph = mission.graph;
   Values values = mission.graph.InitialValues();
@@ -183,7 +166,7 @@ void PrintSummary(const MapReport& report) {
 int Run(const MapCommand& command, const Console& console) {
   if (!command.datum.empty()) ParseDatum(command.datum);
   const Registry types = LoadTypes(command.reading);
-  Folder folder(command.output);
+  OutputFolder folder(command.output);
   std::optional<OccupancyGrid> truth;
   if (!command.truth.empty()) truth = ReadOccupancy(command.truth);
   const Interruptible interruptible;

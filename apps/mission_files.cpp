@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -52,14 +53,36 @@ RelationError ErrorOf(const LaserLog& log, const std::vector<PlanarPose>& world_
   return CompareWithRelations(std::move(poses), ParseRelations(ReadFile(relations), relations));
 }
 
+PlanarPose ReadStart(const std::string& text) {
+  double numbers[3];
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    const auto [next, error] = std::from_chars(at, end, numbers[i]);
+    const bool ends_well = i < 2 ? next != end && *next == ',' : next == end;
+    if (error != std::errc() || !ends_well || !std::isfinite(numbers[i]))
+      throw Error("--start '" + text + "': expected X,Y,YAW, in metres and radians",
+                  ErrorKind::kUsage);
+    at = next + 1;
+  }
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 // Makes the pose graph, which is solved already.
 Mission FromLogs(const MapCommand& command, const Registry& types, MapReport* report,
                  const Console& console) {
   LaserLog log = ReadLogs(command, report);
   const Stopwatch clock;
-  FrontEndResult built = BuildMission(log, types, {}, [&](const std::string& stage, double done) {
-    console.Progress(fmt::format("{}: {:.0f} %", stage, 100 * done));
-  });
+  FrontEndOptions options;
+  for (const std::string& start : command.starts) options.starts.push_back(ReadStart(start));
+  if (!options.starts.empty() && options.starts.size() != log.robots.size())
+    throw Error(fmt::format("--start is given {} times for {} robots", options.starts.size(),
+                            log.robots.size()),
+                ErrorKind::kUsage);
+  FrontEndResult built =
+      BuildMission(log, types, options, [&](const std::string& stage, double done) {
+        console.Progress(fmt::format("{}: {:.0f} %", stage, 100 * done));
+      });
   console.Progress("");
   const FrontEndReport& did = built.report;
   report->facts.emplace_back(
