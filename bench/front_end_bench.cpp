@@ -1,7 +1,17 @@
+// From recorded laser logs to pose graphs: errors against the relations of Kuemmerle et al. 2009, and
+// seconds against the length of the log.
+//
+//   graticule_front_end                       the four sets of data/mapping/kuemmerle
+//   graticule_front_end LOG [--relations FILE] [--picture FILE.png] [--laser-offset METRES]
+//                           [--pieces N]      N robots whose starts nobody knows, cut from one log
+
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <string>
+#include <vector>
 
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/carmen.hpp"
@@ -10,84 +20,152 @@
 #include "graticule/io/svg.hpp"
 #include "graticule/problems/mapping/front_end.hpp"
 #include "graticule/problems/mapping/relation_error.hpp"
+#include "graticule/solver/error.hpp"
 #include "graticule/solver/stopwatch.hpp"
 
-using namespace graticule;
+namespace graticule {
+namespace {
 
-static void Draw(const LaserLog& log, const FrontEndResult& m, const std::string& path) {
-  double lx = 1e9, ly = 1e9, hx = -1e9, hy = -1e9;
-  for (const auto& n : m.world_from_node) {
-    lx = std::min(lx, n.x), ly = std::min(ly, n.y);
-    hx = std::max(hx, n.x), hy = std::max(hy, n.y);
+struct Job {
+  std::string log, relations, picture;
+  std::optional<double> laser_offset;
+  int pieces = 1;
+  double goal_m = 0;  // Cartographer's mean error (Hess et al. 2016), if known
+};
+
+constexpr double kMargin = 8, kPicturePixels = 1600;  // m about the trajectory; a side
+
+void Draw(const LaserLog& log, const Mission& mission, const std::string& path) {
+  double low_x = HUGE_VAL, low_y = HUGE_VAL, high_x = -HUGE_VAL, high_y = -HUGE_VAL;
+  for (const PlanarPose& pose : mission.world_from_node) {
+    low_x = std::min(low_x, pose.x - kMargin), low_y = std::min(low_y, pose.y - kMargin);
+    high_x = std::max(high_x, pose.x + kMargin), high_y = std::max(high_y, pose.y + kMargin);
   }
-  lx -= 10, ly -= 10, hx += 10, hy += 10;
-  const double k = 2000 / std::max(hx - lx, hy - ly);
-  Svg svg((hx - lx) * k, (hy - ly) * k);
-  PathData dots(1), line(1);
-  bool first = true;
-  for (std::size_t i = 0; i < m.nodes.size(); ++i) {
-    std::vector<SurfacePoint> w;
-    AppendTransformed(SurfacePoints(log, log.scans[m.nodes[i].scan]), m.world_from_node[i], &w);
-    for (std::size_t j = 0; j < w.size(); j += 4)
-      dots.Dot((static_cast<double>(w[j].x) - lx) * k, (hy - static_cast<double>(w[j].y)) * k);
-    const auto& p = m.world_from_node[i];
-    if (first) line.MoveTo((p.x - lx) * k, (hy - p.y) * k);
-    else line.LineTo((p.x - lx) * k, (hy - p.y) * k);
-    first = false;
+  const double scale = kPicturePixels / std::max(high_x - low_x, high_y - low_y);
+  Svg svg((high_x - low_x) * scale, (high_y - low_y) * scale);
+  PathData dots(1), way(1);
+  std::vector<SurfacePoint> points;
+  for (std::size_t i = 0; i < mission.nodes.size(); ++i) {
+    const PlanarPose& pose = mission.world_from_node[i];
+    const LaserScan& scan = log.scans[mission.nodes[i].scan];
+    points.clear();
+    AppendTransformed(SurfacePoints(log, scan), pose, &points);
+    for (std::size_t k = 0; k < points.size(); k += 3)
+      dots.Dot((static_cast<double>(points[k].x) - low_x) * scale,
+               (high_y - static_cast<double>(points[k].y)) * scale);
+    const bool begins = mission.nodes[i].key.Number() == 0;
+    const double x = (pose.x - low_x) * scale, y = (high_y - pose.y) * scale;
+    begins ? way.MoveTo(x, y) : way.LineTo(x, y);
   }
-  svg.Path(dots, {{"stroke", "#222"}, {"stroke-width", "0.6"}, {"stroke-linecap", "round"}, {"fill", "none"}});
-  svg.Path(line, {{"stroke", "#d33"}, {"stroke-width", "0.7"}, {"fill", "none"}});
-  WriteFile(path, PngFromSvg(svg.Finish(), 1600));
+  const Svg::Attributes ink = {{"stroke", "#222"}, {"stroke-width", "0.6"},
+                               {"stroke-linecap", "round"}, {"fill", "none"}};
+  svg.Path(dots, ink);
+  svg.Path(way, {{"stroke", "#d33"}, {"stroke-width", "0.8"}, {"fill", "none"}});
+  WriteFile(path, PngFromSvg(svg.Finish(), static_cast<int>(kPicturePixels)));
 }
 
-static std::vector<TimedPose> ScanPoses(const LaserLog& log, const std::vector<PlanarPose>& scans) {
-  std::vector<TimedPose> poses;
-  for (std::size_t i = 0; i < scans.size(); ++i) poses.push_back({log.scans[i].time, scans[i]});
-  return poses;
+// The log, cut into robots of equal numbers of scans.
+void Cut(LaserLog* log, int pieces) {
+  const auto count = static_cast<std::size_t>(pieces);
+  for (std::size_t i = 0; i < log->scans.size(); ++i)
+    log->scans[i].robot = static_cast<std::uint32_t>(i * count / log->scans.size());
+  for (std::size_t i = 1; i < count; ++i) log->robots.push_back("robot" + std::to_string(i + 1));
 }
 
-static void Print(const char* label, const RelationError& e, double s) {
-  fmt::print("{:>12}: {} rel ({} unmatched) trans {:.4f} +- {:.4f}  rot {:.4f} +- {:.4f} deg   {:.2f} s\n", label,
-             e.relations, e.unmatched, e.translation_m.mean, e.translation_m.deviation,
-             e.rotation_rad.mean * 180 / M_PI, e.rotation_rad.deviation * 180 / M_PI, s);
+void Run(const Job& job) {
+  Stopwatch watch;
+  LaserLog log;
+  CarmenOptions carmen;
+  carmen.laser_offset = job.laser_offset;
+  ParseCarmen(ReadFile(job.log), job.log, carmen, &log);
+  const double seconds_read = watch.Lap().wall;
+  const double duration = log.scans.back().time - log.scans.front().time;
+  Cut(&log, job.pieces);
+  const Mission mission = BuildMission(log, Builtins());
+  const PhaseTime time = watch.Elapsed();
+  const FrontEndReport& report = mission.report;
+  fmt::print("{}: {} scans in {:.0f} s; read {:.2f} s, follow {:.2f}, close {:.2f}, refine {:.2f}; wall {:.2f} s"
+             " (1/{:.0f} of the log), CPU {:.2f} s\n",
+             job.log.substr(job.log.rfind('/') + 1), report.scans, duration, seconds_read,
+             report.seconds_follow, report.seconds_close, report.seconds_refine,
+             seconds_read + time.wall, duration / (seconds_read + time.wall), time.cpu);
+  fmt::print("  {} nodes, {} searches, {} closures, {} rejected, {} overlaps, {} rounds\n",
+             report.nodes, report.searches, report.found - report.rejected, report.rejected,
+             report.overlaps, report.rounds);
+  if (job.pieces > 1) {
+    fmt::print("  pieces:");
+    for (const std::uint32_t piece : report.piece_of_robot) fmt::print(" {}", piece);
+    fmt::print("\n");
+  }
+  if (!job.relations.empty()) {
+    std::vector<TimedPose> poses;
+    for (std::size_t i = 0; i < log.scans.size(); ++i)
+      poses.push_back({log.scans[i].time, mission.world_from_scan[i]});
+    const RelationError error =
+        CompareWithRelations(poses, ParseRelations(ReadFile(job.relations), job.relations));
+    fmt::print("  {} relations ({} unmatched): {:.4f} +- {:.4f} m, {:.3f} +- {:.3f} deg; squared {:.5f}"
+               " +- {:.5f} m2, {:.4f} +- {:.4f} deg2",
+               error.relations, error.unmatched, error.translation_m.mean,
+               error.translation_m.deviation, error.rotation_rad.mean * 180 / M_PI,
+               error.rotation_rad.deviation * 180 / M_PI, error.squared_translation.mean,
+               error.squared_translation.deviation,
+               error.squared_rotation.mean * 180 / M_PI * 180 / M_PI,
+               error.squared_rotation.deviation * 180 / M_PI * 180 / M_PI);
+    if (job.goal_m > 0) fmt::print("; Cartographer {:.3f} m", job.goal_m);
+    fmt::print("\n");
+  }
+  if (!job.picture.empty()) Draw(log, mission, job.picture);
 }
+
+std::vector<Job> AllSets() {
+  std::vector<Job> jobs;
+  const std::pair<const char*, double> sets[] = {
+      {"intel", 0.023}, {"mit-killian", 0.040}, {"mit-csail", 0.032}, {"fr079", 0.045}};
+  for (const auto& [name, goal_m] : sets) {
+    Job job;
+    job.log = std::string(GRATICULE_DATA_DIR) + "/mapping/kuemmerle/" + name + ".clf.gz";
+    job.relations = std::string(GRATICULE_DATA_DIR) + "/mapping/kuemmerle/" + name + ".relations";
+    job.goal_m = goal_m;
+    jobs.push_back(job);
+  }
+  return jobs;
+}
+
+int Main(const std::vector<std::string>& words) {
+  if (words.empty()) {
+    for (const Job& job : AllSets()) Run(job);
+    return 0;
+  }
+  Job job;
+  job.log = words[0];
+  for (std::size_t i = 1; i < words.size(); i += 2) {
+    const std::string& option = words[i];
+    if (i + 1 == words.size()) throw Error("expected a value of " + option, ErrorKind::kUsage);
+    const std::string& value = words[i + 1];
+    if (option == "--relations")
+      job.relations = value;
+    else if (option == "--picture")
+      job.picture = value;
+    else if (option == "--laser-offset")
+      job.laser_offset = std::strtod(value.c_str(), nullptr);
+    else if (option == "--pieces")
+      job.pieces = std::max(1, std::atoi(value.c_str()));
+    else
+      throw Error("there is no option " + option, ErrorKind::kUsage);
+  }
+  Run(job);
+  return 0;
+}
+
+}  // namespace
+}  // namespace graticule
 
 int main(int argc, char** argv) {
-  setvbuf(stdout, nullptr, _IOLBF, 0);
-  FrontEndOptions o;
-  if (getenv("LN")) o.local_nodes = atoi(getenv("LN"));
-  if (getenv("SP")) o.point_spacing = atof(getenv("SP"));
-  if (getenv("MR")) o.max_range = atof(getenv("MR"));
-  if (getenv("ND")) o.node_distance = atof(getenv("ND"));
-  for (int i = 1; i < argc; ++i) {
-    const std::string set = argv[i];
-    const std::string base = std::string(GRATICULE_DATA_DIR) + "/mapping/kuemmerle/" + set;
-    Stopwatch watch;
-    LaserLog log;
-    ParseCarmen(ReadFile(base + ".clf.gz"), set, {}, &log);
-    const auto rel = ParseRelations(ReadFile(base + ".relations"), set);
-    fmt::print("{}: {} scans, {} robots, {} geometries max {} read in {:.2f} s\n", set, log.scans.size(), log.robots.size(), log.geometries.size(), log.geometries[0].max_range, watch.Elapsed().wall);
-    std::vector<TimedPose> odom;
-    for (auto& s : log.scans) odom.push_back({s.time, s.odom_from_robot});
-    Print("odometry", CompareWithRelations(odom, rel), 0);
-    watch.Restart();
-    if (getenv("CR")) o.closure_rounds = atoi(getenv("CR"));
-    if (getenv("OR")) o.overlap_rounds = atoi(getenv("OR"));
-    const FrontEndResult mission = BuildMission(log, Builtins(), o);
-    const double s = watch.Elapsed().wall;
-    const auto& r = mission.report;
-    fmt::print("{} nodes, {} searches, {} found, {} rejected, {} overlaps; follow {:.2f} close {:.2f} refine {:.2f} s cpu {:.2f}\n", r.nodes, r.searches, r.found, r.rejected, r.overlaps, r.seconds_follow, r.seconds_close, r.seconds_refine, watch.Elapsed().cpu);
-    const auto poses = ScanPoses(log, mission.world_from_scan);
-    Print("all", CompareWithRelations(poses, rel), s);
-    std::vector<PoseRelation> shorts;
-    for (auto& q : rel) if (std::abs(q.time_b - q.time_a) < 15) shorts.push_back(q);
-    if (getenv("DUMP")) {
-      FILE* f = fopen(("/tmp/mapfront_poses_" + set + ".txt").c_str(), "w");
-      for (std::size_t i = 0; i < poses.size(); ++i) fprintf(f, "%.6f %.6f %.6f %.6f %.6f %.6f %.6f\n", poses[i].time, poses[i].world_from_robot.x, poses[i].world_from_robot.y, poses[i].world_from_robot.yaw, odom[i].world_from_robot.x, odom[i].world_from_robot.y, odom[i].world_from_robot.yaw);
-      fclose(f);
-    }
-    Print("short odom", CompareWithRelations(odom, shorts), s);
-    Print("short", CompareWithRelations(poses, shorts), s);
-    Draw(log, mission, "/tmp/mapfront_" + set + ".png");
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  try {
+    return graticule::Main({argv + 1, argv + argc});
+  } catch (const graticule::Error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
   }
 }

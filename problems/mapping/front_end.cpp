@@ -18,8 +18,8 @@
 namespace graticule {
 namespace {
 
-constexpr double kFirstWindow = 2;         // m
-constexpr std::size_t kSettled = 50;       // fewer than one closure in so many is new: look farther
+constexpr double kFirstWindow = 2;       // m
+constexpr std::size_t kSettled = 50;     // fewer than one closure in so many is new: look farther
 constexpr std::size_t kLeastMeetings = 4;  // that agree, for two robots to be joined
 
 class Builder {
@@ -28,7 +28,7 @@ class Builder {
           const FrontEndObserver& watch)
       : log_(log), options_(options), watch_(watch), mission_(types) {}
 
-  FrontEndResult Build() {
+  Mission Build() {
     if (log_.scans.empty()) throw Error("there is no scan in this log");
     if (!options_.starts.empty() && options_.starts.size() != log_.robots.size())
       throw Error("expected the starts of all " + std::to_string(log_.robots.size()) +
@@ -91,8 +91,11 @@ class Builder {
       const TrackNode& node = nodes_[i];
       if (node.is_first) continue;
       const MotionSigmas sigmas = SigmasOf(node.odometry_step, options_);
-      graph.Add(Between(i - 1, i, node.odometry_step,
-                        Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}), "odometry"));
+      Factor odometry = Between(i - 1, i, node.odometry_step,
+                                Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}),
+                                "odometry");
+      odometry.loss = {LossKind::kCauchy, 1};  // wheels slip
+      graph.Add(odometry);
       graph.Add(Between(i - 1, i, node.match_step,
                         InformationNoise(MatchInformation(node, options_)), "scan"));
     }
@@ -276,7 +279,7 @@ class Builder {
   const LaserLog& log_;
   const FrontEndOptions& options_;
   const FrontEndObserver& watch_;
-  FrontEndResult mission_;
+  Mission mission_;
   std::vector<TrackNode> nodes_;
   std::vector<std::size_t> first_node_;  // of each robot, and the end
   std::vector<Track> tracks_;            // without their nodes
@@ -287,8 +290,8 @@ class Builder {
 
 }  // namespace
 
-FrontEndResult BuildMission(const LaserLog& log, const Registry& types,
-                            const FrontEndOptions& options, const FrontEndObserver& watch) {
+Mission BuildMission(const LaserLog& log, const Registry& types, const FrontEndOptions& options,
+                     const FrontEndObserver& watch) {
   return Builder(log, types, options, watch).Build();
 }
 

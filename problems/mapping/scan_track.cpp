@@ -13,8 +13,12 @@ constexpr double kCell = 0.05, kBlur = 0.07;  // m, of the grid
 constexpr double kResidualSigma = 0.03;       // m, against dead reckoning
 constexpr double kResidualScale = 0.1;        // m
 // Windows are never smaller than these, nor larger.
-constexpr double kLeastReach = 0.2, kLargestReach = 1.5;         // m
-constexpr double kLeastReachYaw = 0.35, kLargestReachYaw = 0.8;  // rad
+constexpr double kLeastReach = 0.2, kLargestReach = 1.5;        // m
+constexpr double kLeastReachYaw = 0.35,kLargestReachYaw = 0.8;  // rad
+// Where no pose near dead reckoning has this mean likelihood, a wider window is tried, and believed
+// where it is better by so much.
+constexpr double kSureScore = 0.75, kWider = 2.5, kBetterScore = 0.1;
+constexpr double kContradiction = 9;  // of the squared Mahalanobis distance to dead reckoning
 constexpr double kStillMetres = 1e-3, kStillTurn = 1e-3;
 constexpr int kStillScans = 3;  // so many are matched after the wheels have stopped
 
@@ -57,24 +61,26 @@ class Follower {
   void Match(std::size_t scan, const PlanarPose& step) {
     std::vector<SurfacePoint> points = SurfacePoints(log_, log_.scans[scan], surface_);
     const PlanarPose last = track_.nodes.back().pose;
-    const MotionSigmas sigmas = SigmasOf(step, options_);
-    SearchWindow window;
-    window.guess = Inverse(last) * pose_ * step;
-    window.reach = std::clamp(3 * sigmas.sigma, kLeastReach, kLargestReach);
-    window.reach_yaw = std::clamp(4 * sigmas.sigma_yaw, kLeastReachYaw, kLargestReachYaw);
-    window.sigma = sigmas.sigma;
-    window.sigma_yaw = sigmas.sigma_yaw;
-    graticule::Match match;
-    match.reference_from_scan = window.guess;
-    matcher_.Search(grid_, points, window, 0, &match);
-
+    const PlanarPose guess = Inverse(last) * pose_ * step;
+    MotionSigmas sigmas = SigmasOf(step, options_);
+    graticule::Match match = Search(points, guess, sigmas, 1);
+    if (match.score < kSureScore) {  // wheels may have slipped, or counted backwards as forwards
+      const graticule::Match wide = Search(points, guess, sigmas, kWider);
+      if (wide.score > match.score + kBetterScore) match = wide;
+    }
+    // What the wheels say counts less where the scans contradict it.
+    const PlanarPose apart = Inverse(guess) * match.reference_from_scan;
+    const double squared = std::pow(std::hypot(apart.x, apart.y) / sigmas.sigma, 2) +
+                           std::pow(apart.yaw / sigmas.sigma_yaw, 2);
+    const double weight = 1 / (1 + squared / kContradiction);
     Eigen::Matrix3d prior = Eigen::Matrix3d::Zero();
-    prior.diagonal() << std::pow(sigmas.sigma, -2), std::pow(sigmas.sigma, -2),
-        std::pow(sigmas.sigma_yaw, -2);
+    prior.diagonal() << weight / std::pow(sigmas.sigma, 2), weight / std::pow(sigmas.sigma, 2),
+        weight / std::pow(sigmas.sigma_yaw, 2);
     RefineOptions refine;
     refine.scale = kResidualScale;
-    const Refinement refined = RefineOnPoints(index_, points, match.reference_from_scan,
-                                              window.guess, prior, kResidualSigma, refine);
+    const Refinement refined = RefineOnPoints(index_, points, match.reference_from_scan, guess,
+                                              prior, kResidualSigma, refine);
+    worst_matched_ = std::min(worst_matched_, refined.matched);
     const PlanarPose& in_last = refined.reference_from_scan;
     pose_ = last * in_last;
     if (std::hypot(in_last.x, in_last.y) < options_.node_distance &&
@@ -83,10 +89,25 @@ class Follower {
     TrackNode node;
     node.match_step = in_last;
     node.information = refined.information;
-    node.matched = refined.matched;
+    node.matched = worst_matched_;
+    worst_matched_ = 1;
     node.points = std::move(points);
     node.travelled = track_.nodes.back().travelled + std::hypot(in_last.x, in_last.y);
     Add(std::move(node), scan);
+  }
+
+  graticule::Match Search(const std::vector<SurfacePoint>& points, const PlanarPose& guess,
+                          const MotionSigmas& sigmas, double wider) {
+    SearchWindow window;
+    window.guess = guess;
+    window.reach = std::clamp(3 * sigmas.sigma, kLeastReach, kLargestReach) * wider;
+    window.reach_yaw = std::clamp(4 * sigmas.sigma_yaw, kLeastReachYaw, kLargestReachYaw) * wider;
+    window.sigma = sigmas.sigma * wider;
+    window.sigma_yaw = sigmas.sigma_yaw * wider;
+    graticule::Match match;
+    match.reference_from_scan = guess;
+    matcher_.Search(grid_, points, window, 0, &match);
+    return match;
   }
 
   void Add(TrackNode node, std::size_t scan) {
@@ -95,8 +116,8 @@ class Follower {
     node.robot = own.robot;
     node.pose = pose_;
     if (!track_.nodes.empty())
-      node.odometry_step =
-          Inverse(log_.scans[track_.nodes.back().scan].odom_from_robot) * own.odom_from_robot;
+      node.odometry_step = Inverse(log_.scans[track_.nodes.back().scan].odom_from_robot) *
+                           own.odom_from_robot;
     track_.nodes.push_back(std::move(node));
 
     // What the next scans are matched against, in this node's frame.
@@ -118,6 +139,7 @@ class Follower {
   Track track_;
   PlanarPose pose_, odometry_;
   int still_ = 0;
+  double worst_matched_ = 1;  // since the last node
   std::vector<SurfacePoint> reference_;
   LikelihoodGrid grid_{kCell, kBlur};
   CorrelativeMatcher matcher_;
