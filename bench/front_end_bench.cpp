@@ -1,5 +1,5 @@
-// From recorded laser logs to pose graphs: errors against the relations of Kuemmerle et al. 2009, and
-// seconds against the length of the log.
+// From recorded laser logs to pose graphs: errors against the relations of Kuemmerle et al. 2009,
+// and seconds against the length of the log.
 //
 //   graticule_front_end                       the four sets of data/mapping/kuemmerle
 //   graticule_front_end LOG [--relations FILE] [--picture FILE.png] [--laser-offset METRES]
@@ -57,8 +57,8 @@ void Draw(const LaserLog& log, const Mission& mission, const std::string& path) 
     const double x = (pose.x - low_x) * scale, y = (high_y - pose.y) * scale;
     begins ? way.MoveTo(x, y) : way.LineTo(x, y);
   }
-  const Svg::Attributes ink = {{"stroke", "#222"}, {"stroke-width", "0.6"},
-                               {"stroke-linecap", "round"}, {"fill", "none"}};
+  const Svg::Attributes ink = {
+      {"stroke", "#222"}, {"stroke-width", "0.6"}, {"stroke-linecap", "round"}, {"fill", "none"}};
   svg.Path(dots, ink);
   svg.Path(way, {{"stroke", "#d33"}, {"stroke-width", "0.8"}, {"fill", "none"}});
   WriteFile(path, PngFromSvg(svg.Finish(), static_cast<int>(kPicturePixels)));
@@ -84,11 +84,13 @@ void Run(const Job& job) {
   const Mission mission = BuildMission(log, Builtins());
   const PhaseTime time = watch.Elapsed();
   const FrontEndReport& report = mission.report;
-  fmt::print("{}: {} scans in {:.0f} s; read {:.2f} s, follow {:.2f}, close {:.2f}, refine {:.2f}; wall {:.2f} s"
-             " (1/{:.0f} of the log), CPU {:.2f} s\n",
-             job.log.substr(job.log.rfind('/') + 1), report.scans, duration, seconds_read,
-             report.seconds_follow, report.seconds_close, report.seconds_refine,
-             seconds_read + time.wall, duration / (seconds_read + time.wall), time.cpu);
+  fmt::print(
+      "{}: {} scans in {:.0f} s; read {:.2f} s, follow {:.2f}, close {:.2f}, refine {:.2f}; wall "
+      "{:.2f} s"
+      " (1/{:.0f} of the log), CPU {:.2f} s\n",
+      job.log.substr(job.log.rfind('/') + 1), report.scans, duration, seconds_read,
+      report.seconds_follow, report.seconds_close, report.seconds_refine, seconds_read + time.wall,
+      duration / (seconds_read + time.wall), time.cpu);
   fmt::print("  {} nodes, {} searches, {} closures, {} rejected, {} overlaps, {} rounds\n",
              report.nodes, report.searches, report.found - report.rejected, report.rejected,
              report.overlaps, report.rounds);
@@ -103,14 +105,14 @@ void Run(const Job& job) {
       poses.push_back({log.scans[i].time, mission.world_from_scan[i]});
     const RelationError error =
         CompareWithRelations(poses, ParseRelations(ReadFile(job.relations), job.relations));
-    fmt::print("  {} relations ({} unmatched): {:.4f} +- {:.4f} m, {:.3f} +- {:.3f} deg; squared {:.5f}"
-               " +- {:.5f} m2, {:.4f} +- {:.4f} deg2",
-               error.relations, error.unmatched, error.translation_m.mean,
-               error.translation_m.deviation, error.rotation_rad.mean * 180 / M_PI,
-               error.rotation_rad.deviation * 180 / M_PI, error.squared_translation.mean,
-               error.squared_translation.deviation,
-               error.squared_rotation.mean * 180 / M_PI * 180 / M_PI,
-               error.squared_rotation.deviation * 180 / M_PI * 180 / M_PI);
+    fmt::print(
+        "  {} relations ({} unmatched): {:.4f} +- {:.4f} m, {:.3f} +- {:.3f} deg; squared {:.5f}"
+        " +- {:.5f} m2, {:.4f} +- {:.4f} deg2",
+        error.relations, error.unmatched, error.translation_m.mean, error.translation_m.deviation,
+        error.rotation_rad.mean * 180 / M_PI, error.rotation_rad.deviation * 180 / M_PI,
+        error.squared_translation.mean, error.squared_translation.deviation,
+        error.squared_rotation.mean * 180 / M_PI * 180 / M_PI,
+        error.squared_rotation.deviation * 180 / M_PI * 180 / M_PI);
     if (job.goal_m > 0) fmt::print("; Cartographer {:.3f} m", job.goal_m);
     fmt::print("\n");
   }

@@ -49,8 +49,8 @@ struct Odometry {
 
 /// How the times of one clock run.
 struct Clock {
-  std::size_t backwards = 0, standing = 0;
-  bool IsUsable(std::size_t scans) const { return 2 * standing < scans && 20 * backwards <= scans; }
+  std::size_t backwards = 0, standing = 0;  // steps, from a scan to the next
+  bool IsUsable(std::size_t scans) const { return 2 * standing < scans; }
 };
 
 class Reader {
@@ -98,12 +98,12 @@ class Reader {
   void ChooseLaser() {
     std::map<std::string, std::size_t> lasers;
     bool is_empty = true;
-    while (reader_.NextLine()) {
+    TextReader words(text_, reader_.Name());
+    while (words.NextLine()) {
       is_empty = false;
-      const std::string_view word = reader_.Word();
+      const std::string_view word = words.Word();
       if (IsLaser(word)) ++lasers[std::string(word)];
     }
-    reader_.Seek(0);
     if (is_empty) reader_.FailAt(0, "the file is empty");
     summary_.laser = options_.laser;
     for (const char* laser : {"ROBOTLASER1", "FLASER", "RAWLASER1"})
@@ -242,9 +242,12 @@ class Reader {
 
   Clock ClockOf(double Times::*member) const {
     Clock clock;
-    for (std::size_t i = 1; i < times_.size(); ++i) {
-      clock.standing += times_[i].*member == times_[i - 1].*member;
-      clock.backwards += times_[i].*member < times_[i - 1].*member;
+    double latest = -HUGE_VAL;
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      const double time = times_[i].*member;
+      if (i > 0) clock.standing += time == times_[i - 1].*member;
+      clock.backwards += time < latest - options_.time_jitter;
+      latest = std::max(latest, time);
     }
     return clock;
   }
@@ -258,10 +261,9 @@ class Reader {
     else if (!message.IsUsable(scans))
       summary_.times = LogTimes::kNone;
     for (std::size_t i = 0; i < scans; ++i)
-      log_.scans[i].time = summary_.times == LogTimes::kMessage ? times_[i].message
-                                          : summary_.times == LogTimes::kLogger
-                                              ? times_[i].logger
-                                              : static_cast<double>(i);
+      log_.scans[i].time = summary_.times == LogTimes::kMessage  ? times_[i].message
+                           : summary_.times == LogTimes::kLogger ? times_[i].logger
+                                                                 : static_cast<double>(i);
     if (summary_.times == LogTimes::kLogger) odometry_ = std::move(logger_odometry_);
   }
 

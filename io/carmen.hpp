@@ -16,8 +16,8 @@ struct CarmenOptions {
   /// Which laser's messages: "FLASER", "ROBOTLASER1", "RAWLASER2", ...  Empty: the first of
   /// ROBOTLASER1, FLASER, RAWLASER1, and then any other that the log has.
   std::string laser;
-  /// Where the laser of FLASER and RAWLASERi messages sits, ahead of the robot's centre [m]: instead
-  /// of what the log says, or does not say.
+  /// Where the laser of FLASER and RAWLASERi messages sits, ahead of the robot's centre [m]:
+  /// instead of what the log says, or does not say.
   std::optional<double> laser_offset;
   /// Clocks of old logs jump: a scan may seem to be this much earlier than the ones before it [s].
   double time_jitter = 1;
@@ -48,7 +48,8 @@ struct CarmenSummary {
 /// - `FLASER n r1..rn x y yaw odom_x odom_y odom_yaw`: no field of view is given: half a turn from
 ///   the right, in steps of pi/n where n is even (180, 360), pi/(n-1) where it is odd (181, 361).
 ///   The laser is on its robot where `PARAM robot_frontlaser_offset` says [m ahead], else at its
-///   centre, unless options say so.  "No return" is what is within a hundredth of the largest reading of the log.
+///   centre, unless options say so.  "No return" is what is within a hundredth of the largest
+///   reading of the log.
 /// - `ROBOTLASERi`: geometry, laser pose and robot pose are in the message.
 /// - `RAWLASERi`: as ROBOTLASERi without poses: dead reckoning is that of the `ODOM` lines before
 ///   and after, interpolated; the laser sits as FLASER's.
@@ -57,8 +58,8 @@ struct CarmenSummary {
 /// tools write them, are useless where they count from 1970: see LogTimes.
 ///
 /// Throws Error "name:line:column: expected ..., found ..." : a line that is cut short or too long,
-/// a reading that is not a number or negative, times that go backwards by more than the jitter; no laser message at all.
-/// Unknown messages are counted.
+/// a reading that is not a number or negative, times that go backwards by more than the jitter; no
+/// laser message at all. Unknown messages are counted.
 CarmenSummary ParseCarmen(std::string_view text, const std::string& name,
                           const CarmenOptions& options, LaserLog* log);
 

@@ -18,8 +18,8 @@
 namespace graticule {
 namespace {
 
-constexpr double kFirstWindow = 2;       // m
-constexpr std::size_t kSettled = 50;     // fewer than one closure in so many is new: look farther
+constexpr double kFirstWindow = 2;         // m
+constexpr std::size_t kSettled = 50;       // fewer than one closure in so many is new: look farther
 constexpr std::size_t kLeastMeetings = 4;  // that agree, for two robots to be joined
 
 class Builder {
@@ -91,9 +91,9 @@ class Builder {
       const TrackNode& node = nodes_[i];
       if (node.is_first) continue;
       const MotionSigmas sigmas = SigmasOf(node.odometry_step, options_);
-      Factor odometry = Between(i - 1, i, node.odometry_step,
-                                Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}),
-                                "odometry");
+      Factor odometry =
+          Between(i - 1, i, node.odometry_step,
+                  Noise::Sigmas({sigmas.sigma, sigmas.sigma, sigmas.sigma_yaw}), "odometry");
       odometry.loss = {LossKind::kCauchy, 1};  // wheels slip
       graph.Add(odometry);
       graph.Add(Between(i - 1, i, node.match_step,

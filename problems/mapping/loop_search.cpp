@@ -14,10 +14,10 @@
 namespace graticule {
 namespace {
 
-constexpr double kPlaceDistance = 1.5;     // m of the way, from one place to the next
-constexpr double kLeastWay = 6;            // m of the way between the two ends of a closure
-constexpr std::uint32_t kPiece = 6;         // places of a pass of which only the nearest is tried
-constexpr std::size_t kMostPerPlace = 4;   // candidates of a place in a round
+constexpr double kPlaceDistance = 1.5;    // m of the way, from one place to the next
+constexpr double kLeastWay = 6;           // m of the way between the two ends of a closure
+constexpr std::uint32_t kPiece = 6;       // places of a pass of which only the nearest is tried
+constexpr std::size_t kMostPerPlace = 4;  // candidates of a place in a round
 constexpr double kReferenceReach = 4, kQueryReach = 2;  // m of the way to each side
 constexpr double kCell = 0.05, kBlur = 0.07;            // m
 constexpr std::size_t kSearchPoints = 400, kRefinePoints = 1500;
@@ -27,9 +27,9 @@ constexpr double kWide = 0.8, kAroundCoarse = 0.2, kAroundCoarseYaw = 0.03;  // 
 constexpr std::size_t kMeetingStride = 4, kMostMeetings = 6000;
 constexpr double kMeetingReach = 5, kMeetingScore = 0.1;  // m
 constexpr double kLeastMatched = 0.5;
-constexpr double kPointSigma = 0.04;    // m: of a point, as if points were independent
+constexpr double kPointSigma = 0.04;  // m: of a point, as if points were independent
 constexpr double kLostMatched = 0.6, kLostSigmas = 100;
-constexpr double kStretchScans = 10;    // scans of a stretch say the same: count as one
+constexpr double kStretchScans = 10;  // scans of a stretch say the same: count as one
 constexpr double kOverlapDistance = 2.5, kOverlapWay = 5, kOverlapReach = 2;  // m
 constexpr double kOverlapShift = 0.3, kOverlapTurn = 0.1;                     // m, rad
 
@@ -76,8 +76,7 @@ Eigen::Matrix3d ChainInformation(const TrackNode& node, const FrontEndOptions& o
 LoopSearch::LoopSearch(const std::vector<TrackNode>& nodes, const FrontEndOptions& options)
     : nodes_(nodes), options_(options), threads_(ThreadsOf(options)) {
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-    if (nodes[i].is_first ||
-        nodes[i].travelled >= nodes[places_.back()].travelled + kPlaceDistance)
+    if (nodes[i].is_first || nodes[i].travelled >= nodes[places_.back()].travelled + kPlaceDistance)
       places_.push_back(i);
     place_of_.push_back(static_cast<std::uint32_t>(places_.size() - 1));
     pieces_.resize(nodes[i].robot + 1, options.starts.empty() ? nodes[i].robot : 0);
@@ -150,10 +149,9 @@ std::vector<LoopSearch::Candidate> LoopSearch::Candidates(const std::vector<Plan
       if (!known.IsReached(a)) continue;
       if (node_a.robot == node_b.robot && node_b.travelled - node_a.travelled < kLeastWay) continue;
       const Eigen::Matrix3d& covariance = known.Of(a);
-      const double spread =
-          Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance.topLeftCorner<2, 2>(),
-                                                         Eigen::EigenvaluesOnly)
-              .eigenvalues()[1];
+      const double spread = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(
+                                covariance.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly)
+                                .eigenvalues()[1];
       const double sigma = std::sqrt(spread);
       const double distance = Distance(place_poses[a], place_poses[b]);
       if (distance - 2 * sigma > options_.closure_reach) continue;
@@ -225,10 +223,9 @@ bool LoopSearch::Try(const Trial& trial, const std::vector<PlanarPose>& poses, W
   worker->index.Build(worker->reference);
   RefineOptions refine;
   refine.scale = 0.05;
-  const Refinement refined =
-      RefineOnPoints(worker->index, Thinned(worker->query, kRefinePoints),
-                     match.reference_from_scan, match.reference_from_scan,
-                     Eigen::Vector3d(10, 10, 100).asDiagonal(), 0.03, refine);
+  const Refinement refined = RefineOnPoints(
+      worker->index, Thinned(worker->query, kRefinePoints), match.reference_from_scan,
+      match.reference_from_scan, Eigen::Vector3d(10, 10, 100).asDiagonal(), 0.03, refine);
   if (refined.matched < kLeastMatched) return false;
   closure->a = trial.a;
   closure->b = trial.b;

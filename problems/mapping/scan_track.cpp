@@ -13,8 +13,8 @@ constexpr double kCell = 0.05, kBlur = 0.07;  // m, of the grid
 constexpr double kResidualSigma = 0.03;       // m, against dead reckoning
 constexpr double kResidualScale = 0.1;        // m
 // Windows are never smaller than these, nor larger.
-constexpr double kLeastReach = 0.2, kLargestReach = 1.5;        // m
-constexpr double kLeastReachYaw = 0.35,kLargestReachYaw = 0.8;  // rad
+constexpr double kLeastReach = 0.2, kLargestReach = 1.5;         // m
+constexpr double kLeastReachYaw = 0.35, kLargestReachYaw = 0.8;  // rad
 // Where no pose near dead reckoning has this mean likelihood, a wider window is tried, and believed
 // where it is better by so much.
 constexpr double kSureScore = 0.75, kWider = 2.5, kBetterScore = 0.1;
@@ -116,8 +116,8 @@ class Follower {
     node.robot = own.robot;
     node.pose = pose_;
     if (!track_.nodes.empty())
-      node.odometry_step = Inverse(log_.scans[track_.nodes.back().scan].odom_from_robot) *
-                           own.odom_from_robot;
+      node.odometry_step =
+          Inverse(log_.scans[track_.nodes.back().scan].odom_from_robot) * own.odom_from_robot;
     track_.nodes.push_back(std::move(node));
 
     // What the next scans are matched against, in this node's frame.

@@ -13,9 +13,9 @@ namespace graticule {
 struct TrackNode {
   std::size_t scan = 0;  ///< into LaserLog::scans
   std::uint32_t robot = 0;
-  bool is_first = false;    ///< of its robot
-  double travelled = 0;     ///< m, since the robot's first
-  PlanarPose pose;          ///< where it is taken to be
+  bool is_first = false;     ///< of its robot
+  double travelled = 0;      ///< m, since the robot's first
+  PlanarPose pose;           ///< where it is taken to be
   PlanarPose odometry_step;  ///< from the node before to this
   PlanarPose match_step;     ///< the same, as matched
   /// Of match_step, in this node's frame, per unit variance of a residual.
@@ -28,7 +28,7 @@ struct TrackNode {
 /// A robot's way, by matching each scan against the nodes before it.
 struct Track {
   std::vector<TrackNode> nodes;
-  std::vector<std::size_t> scans;     ///< the robot's, into LaserLog::scans
+  std::vector<std::size_t> scans;      ///< the robot's, into LaserLog::scans
   std::vector<PlanarPose> scan_poses;  ///< of each of these, in the frame of the first
 };
 

@@ -6,9 +6,11 @@
 
 #include "broken_files.hpp"
 #include "graphs.hpp"
+#include "graticule/io/carmen.hpp"
 #include "graticule/io/config.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/problem_file.hpp"
+#include "graticule/io/relations.hpp"
 #include "graticule/io/trajectory.hpp"
 #include "test_registry.hpp"
 
@@ -24,6 +26,11 @@ void Load(const std::string& directory, const std::string& name) {
     ParseConfig(contents, name);
   } else if (extension == ".tum") {
     ParseTum(contents, name);
+  } else if (extension == ".clf") {
+    LaserLog log;
+    ParseCarmen(contents, name, {}, &log);
+  } else if (extension == ".relations") {
+    ParseRelations(contents, name);
   } else {
     ParseProblem(contents, name, TestRegistry());
   }

@@ -1,0 +1,4 @@
+#include "fuzz.hpp"
+#include "graticule/io/relations.hpp"
+
+GRATICULE_FUZZ(text) { graticule::ParseRelations(text, "fuzz.relations"); }
