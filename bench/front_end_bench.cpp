@@ -35,7 +35,7 @@ struct Job {
 
 constexpr double kMargin = 8, kPicturePixels = 1600;  // m about the trajectory; a side
 
-void Draw(const LaserLog& log, const Mission& mission, const std::string& path) {
+void Draw(const LaserLog& log, const FrontEndResult& mission, const std::string& path) {
   double low_x = HUGE_VAL, low_y = HUGE_VAL, high_x = -HUGE_VAL, high_y = -HUGE_VAL;
   for (const PlanarPose& pose : mission.world_from_node) {
     low_x = std::min(low_x, pose.x - kMargin), low_y = std::min(low_y, pose.y - kMargin);
@@ -81,7 +81,7 @@ void Run(const Job& job) {
   const double seconds_read = watch.Lap().wall;
   const double duration = log.scans.back().time - log.scans.front().time;
   Cut(&log, job.pieces);
-  const Mission mission = BuildMission(log, Builtins());
+  const FrontEndResult mission = BuildMission(log, Builtins());
   const PhaseTime time = watch.Elapsed();
   const FrontEndReport& report = mission.report;
   fmt::print(

@@ -28,7 +28,7 @@ class Builder {
           const FrontEndObserver& watch)
       : log_(log), options_(options), watch_(watch), mission_(types) {}
 
-  Mission Build() {
+  FrontEndResult Build() {
     if (log_.scans.empty()) throw Error("there is no scan in this log");
     if (!options_.starts.empty() && options_.starts.size() != log_.robots.size())
       throw Error("expected the starts of all " + std::to_string(log_.robots.size()) +
@@ -279,7 +279,7 @@ class Builder {
   const LaserLog& log_;
   const FrontEndOptions& options_;
   const FrontEndObserver& watch_;
-  Mission mission_;
+  FrontEndResult mission_;
   std::vector<TrackNode> nodes_;
   std::vector<std::size_t> first_node_;  // of each robot, and the end
   std::vector<Track> tracks_;            // without their nodes
@@ -290,8 +290,8 @@ class Builder {
 
 }  // namespace
 
-Mission BuildMission(const LaserLog& log, const Registry& types, const FrontEndOptions& options,
-                     const FrontEndObserver& watch) {
+FrontEndResult BuildMission(const LaserLog& log, const Registry& types,
+                            const FrontEndOptions& options, const FrontEndObserver& watch) {
   return Builder(log, types, options, watch).Build();
 }
 

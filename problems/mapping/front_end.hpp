@@ -74,11 +74,7 @@ struct FrontEndResult {
   /// match with the nodes before) and "loop".  The values are the solution; the first pose is
   /// fixed.
   Graph graph;
-<<<<<<< HEAD
   std::vector<FrontEndNode> nodes;          ///< robot by robot, in the order of their keys
-=======
-  std::vector<MissionNode> nodes;           ///< robot by robot, in the order of their keys
->>>>>>> 4ef0245 (Test CARMEN logs and relations, whole and broken)
   std::vector<PlanarPose> world_from_node;  ///< of nodes
   std::vector<PlanarPose> world_from_scan;  ///< robot's pose at every scan of the log
   FrontEndReport report;
@@ -99,13 +95,8 @@ using FrontEndObserver = std::function<void(const std::string& stage, double don
 ///
 /// Deterministic whatever `threads` is.  Throws Error: no scan, a scan without any point where a
 /// robot begins.
-<<<<<<< HEAD
 FrontEndResult BuildMission(const LaserLog& log, const Registry& types,
                             const FrontEndOptions& options = {},
                             const FrontEndObserver& watch = {});
-=======
-Mission BuildMission(const LaserLog& log, const Registry& types,
-                     const FrontEndOptions& options = {}, const FrontEndObserver& watch = {});
->>>>>>> 4ef0245 (Test CARMEN logs and relations, whole and broken)
 
 }  // namespace graticule
