@@ -36,7 +36,7 @@ struct CoverOptions {
   bool on = true;
   /// The dial.  A node is left out if no more than this share of the cells that it sees are news:
   /// have been seen by fewer than `views` nodes of the cover.  0: what adds a cell stays.
-  double news = 0.04;
+  double news = 0.004;
   /// That each cell is to be seen by, 1 .. 7: transients are voted out by several views.
   int views = 2;
   /// Whether what other robots have seen counts too, which goes beyond Algorithm 2.1.
