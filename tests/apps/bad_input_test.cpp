@@ -42,7 +42,8 @@ TEST_F(BadInput, EveryBrokenFileIsRefusedAtItsPlaceByEveryCommand) {
     SCOPED_TRACE(broken.name);
     const std::string file = std::string(GRATICULE_BROKEN_DIR "/") + broken.name;
     const std::string ending = fs::path(broken.name).extension().string();
-    if (ending == ".yaml" || ending == ".tum") continue;
+    if (ending == ".yaml" || ending == ".tum" || ending == ".clf" || ending == ".relations")
+      continue;
     const std::string begin =
         "graticule: " + file + (*broken.place ? std::string(":") + broken.place : "") + ": ";
     const bool type_missing =
@@ -52,6 +53,17 @@ TEST_F(BadInput, EveryBrokenFileIsRefusedAtItsPlaceByEveryCommand) {
     ExpectRefusal(RunCommand({"convert", file, Path("out.fg")}), exit_code, begin);
     ExpectRefusal(RunCommand({"inspect", file}), exit_code, begin);
     EXPECT_TRUE(Files().empty()) << Files()[0] << " is left";
+  }
+}
+
+TEST_F(BadInput, EveryBrokenLogIsRefusedAtItsPlace) {
+  for (const BrokenFile& broken : kBrokenFiles) {
+    SCOPED_TRACE(broken.name);
+    const std::string file = std::string(GRATICULE_BROKEN_DIR "/") + broken.name;
+    if (fs::path(broken.name).extension() != ".clf") continue;
+    ExpectRefusal(RunCommand({"map", file, "-o", Path("out")}), 3,
+                  "graticule: " + file + ":" + broken.place + ": ");
+    EXPECT_TRUE(fs::is_empty(Path("out")));
   }
 }
 
