@@ -21,8 +21,9 @@ constexpr std::size_t kMostPerPlace = 4;  // candidates of a place in a round
 constexpr double kReferenceReach = 4, kQueryReach = 2;  // m of the way to each side
 constexpr double kCell = 0.05, kBlur = 0.07;            // m
 constexpr std::size_t kSearchPoints = 400, kRefinePoints = 1500;
-// Wider windows are searched on a coarser grid first, and then about what was found.
-constexpr double kWide = 0.8, kAroundCoarse = 0.2, kAroundCoarseYaw = 0.03;  // m, m, rad
+// Wider windows are searched on coarser grids first, and then about what was found.
+constexpr double kAnyYaw = 1, kWide = 0.8;          // rad, m: what is wider
+constexpr double kAround = 0.2, kAroundYaw = 0.03;  // m, rad: times the level
 // Robots that may be anywhere: every so many places, and how much better than near ones.
 constexpr std::size_t kMeetingStride = 4, kMostMeetings = 6000;
 constexpr double kMeetingReach = 5, kMeetingScore = 0.1;  // m
@@ -52,7 +53,7 @@ std::vector<SurfacePoint> Thinned(const std::vector<SurfacePoint>& points, std::
 }  // namespace
 
 struct LoopSearch::Worker {
-  LikelihoodGrid grid{kCell, kBlur}, coarse_grid{2 * kCell, 2 * kBlur};
+  LikelihoodGrid grids[3] = {{kCell, kBlur}, {2 * kCell, 2 * kBlur}, {4 * kCell, 3 * kBlur}};
   CorrelativeMatcher matcher;
   PointIndex index;
   std::vector<SurfacePoint> reference, query;
@@ -209,17 +210,20 @@ bool LoopSearch::Try(const Trial& trial, const std::vector<PlanarPose>& poses, W
   Stretch(trial.b, kQueryReach, poses, &worker->query);
   SearchWindow window = trial.window;
   Match match;
-  if (window.reach > kWide) {
-    worker->coarse_grid.Build(worker->reference, 0, 0, options_.max_range);
-    if (!worker->matcher.Search(worker->coarse_grid, Thinned(worker->query, kSearchPoints / 2),
-                                window, trial.least_score, &match))
+  for (int level = window.reach_yaw > kAnyYaw ? 2
+                   : window.reach > kWide     ? 1
+                                              : 0;
+       level >= 0; --level) {
+    LikelihoodGrid& grid = worker->grids[level];
+    grid.Build(worker->reference, 0, 0, options_.max_range);
+    if (!worker->matcher.Search(grid, Thinned(worker->query, kSearchPoints >> level), window,
+                                trial.least_score, &match))
       return false;
-    window = {match.reference_from_scan, kAroundCoarse, kAroundCoarseYaw, HUGE_VAL, HUGE_VAL};
+    window = SearchWindow();
+    window.guess = match.reference_from_scan;
+    window.reach = kAround * level;
+    window.reach_yaw = kAroundYaw * level;
   }
-  worker->grid.Build(worker->reference, 0, 0, options_.max_range);
-  if (!worker->matcher.Search(worker->grid, Thinned(worker->query, kSearchPoints), window,
-                              trial.least_score, &match))
-    return false;
   worker->index.Build(worker->reference);
   RefineOptions refine;
   refine.scale = 0.05;

@@ -7,6 +7,7 @@
 namespace graticule {
 namespace {
 
+constexpr std::size_t kBatch = 32;
 constexpr double kLeastStep = 0.002, kLargestStep = 0.05;  // rad
 
 /// By how much to turn so that a point far out moves by a cell.
@@ -66,13 +67,21 @@ double CorrelativeMatcher::Penalty(const SearchWindow& window, const Node& node)
   return penalty + yaw * yaw / 2;
 }
 
-double CorrelativeMatcher::MeanBound(const LikelihoodGrid& grid, const Node& node) {
+double CorrelativeMatcher::MeanBound(const LikelihoodGrid& grid, const Node& node, double least) {
   ++visited_;
   const std::int32_t* cell = cells_.data() + static_cast<std::size_t>(node.yaw) * count_ * 2;
+  const double full = 255 * static_cast<double>(count_);
+  const auto needed = static_cast<std::int64_t>(std::floor(least * full));
   std::int64_t sum = 0;
-  for (std::size_t i = 0; i < count_; ++i, cell += 2)
-    sum += grid.At(node.level, (cell[0] + node.x) >> node.level, (cell[1] + node.y) >> node.level);
-  return static_cast<double>(sum) / (255 * static_cast<double>(count_));
+  for (std::size_t done = 0; done < count_;) {
+    const std::size_t until = std::min(done + kBatch, count_);
+    for (; done < until; ++done, cell += 2)
+      sum +=
+          grid.At(node.level, (cell[0] + node.x) >> node.level, (cell[1] + node.y) >> node.level);
+    // Not even if all others were hits.
+    if (sum + 255 * static_cast<std::int64_t>(count_ - done) < needed) return -1;
+  }
+  return static_cast<double>(sum) / full;
 }
 
 bool CorrelativeMatcher::Search(const LikelihoodGrid& grid, Span<const SurfacePoint> points,
@@ -87,7 +96,7 @@ bool CorrelativeMatcher::Search(const LikelihoodGrid& grid, Span<const SurfacePo
   while (top < LikelihoodGrid::kTopLevel && (2 << top) <= side) ++top;
   heap_.clear();
   const auto push = [&](Node node) {
-    const double mean = MeanBound(grid, node);
+    const double mean = MeanBound(grid, node, least_score);
     if (mean < least_score) return;
     node.bound = scale * mean - Penalty(window, node);
     heap_.push_back(node);
@@ -125,7 +134,7 @@ std::array<double, 9> CorrelativeMatcher::Covariance(const LikelihoodGrid& grid,
   window.reach_yaw = cells * YawStep(points, cell_);
   Rotate(grid, points, window);
   const auto at = [&](std::int32_t yaw, std::int32_t y, std::int32_t x) {
-    return MeanBound(grid, {0, yaw, x, y, 0});
+    return MeanBound(grid, {0, yaw, x, y, 0}, 0);
   };
   const double scale = kPointWeight * static_cast<double>(count_);
   const double centre = at(half_yaw_, half_, half_);

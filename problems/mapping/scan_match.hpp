@@ -50,7 +50,8 @@ class CorrelativeMatcher {
     std::int32_t yaw, x, y, level;
   };
   static bool Worse(const Node& a, const Node& b);
-  double MeanBound(const LikelihoodGrid& grid, const Node& node);
+  /// Below zero: less than `least`, by how much was not computed.
+  double MeanBound(const LikelihoodGrid& grid, const Node& node, double least);
   double Penalty(const SearchWindow& window, const Node& node) const;
   void Rotate(const LikelihoodGrid& grid, Span<const SurfacePoint> points,
               const SearchWindow& window);
