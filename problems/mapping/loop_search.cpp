@@ -294,7 +294,15 @@ std::vector<Closure> LoopSearch::Meetings(const std::vector<PlanarPose>& poses) 
       trials[i] = trials[i * trials.size() / kMostMeetings];
     trials.resize(kMostMeetings);
   }
-  return TryAll(trials, poses);
+  // A stretch has many that are like it, and one that is most like it.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Closure> best;  // by node b and piece of a
+  for (const Closure& closure : TryAll(trials, poses)) {
+    Closure& other = best[{closure.b, pieces_[nodes_[closure.a].robot]}];
+    if (closure.score > other.score) other = closure;
+  }
+  std::vector<Closure> closures;
+  for (const auto& [key, closure] : best) closures.push_back(closure);
+  return closures;
 }
 
 std::vector<Closure> LoopSearch::Overlaps(const std::vector<PlanarPose>& poses) {
