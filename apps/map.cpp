@@ -23,6 +23,8 @@
 namespace graticule::apps {
 namespace {
 
+constexpr std::size_t kWays = 500;  // about half a second
+
 MapMethod MethodOf(const std::string& name) {
   if (name == "naive") return MapMethod::kNaive;
   if (name == "naive-cover") return MapMethod::kNaiveCover;
@@ -204,14 +206,19 @@ int Run(const MapCommand& command, const Console& console) {
     return static_cast<std::size_t>(std::count(grid.cells.begin(), grid.cells.end(), what));
   };
   const double area = command.resolution_m * command.resolution_m;
-  report.facts.emplace_back(
-      "map",
-      fmt::format(
-          "{:.1f} x {:.1f} m, {} free and {} structure cells ({:.0f} m² known)",
-          static_cast<double>(grid.width) * grid.resolution,
-          static_cast<double>(grid.height) * grid.resolution,
-          ReadableCount(count(Occupancy::kFree)), ReadableCount(count(Occupancy::kStructure)),
-          area * static_cast<double>(count(Occupancy::kFree) + count(Occupancy::kStructure))));
+  const std::string size = fmt::format(
+      "{:.1f} x {:.1f} m, {} free and {} structure cells ({:.0f} m² known)",
+      static_cast<double>(grid.width) * grid.resolution,
+      static_cast<double>(grid.height) * grid.resolution, ReadableCount(count(Occupancy::kFree)),
+      ReadableCount(count(Occupancy::kStructure)),
+      area * static_cast<double>(count(Occupancy::kFree) + count(Occupancy::kStructure)));
+  report.facts.emplace_back("map", size);
+  const GapReport gaps = FindGaps(all, grid, kWays);
+  if (gaps.pairs > 0)
+    report.facts.emplace_back(
+        "ways", fmt::format("of {} tried between places 2 to 6 m apart {} are closed and {} opened "
+                            "against the map of all nodes",
+                            gaps.pairs, gaps.closed.size(), gaps.opened.size()));
   if (truth) {
     const MapAgreement agreement = CompareMaps(*truth, grid);
     report.facts.emplace_back(
@@ -236,7 +243,7 @@ int Run(const MapCommand& command, const Console& console) {
   }
   MapDrawing drawing = DrawingOf(mission, last, grid);
   drawing.title = report.title;
-  drawing.subtitle = report.facts.back().second;
+  drawing.subtitle = size;
   const std::string svg = DrawMap(drawing);
   folder.Write("drawing.svg", svg);
   folder.Write("drawing.png", PngFromSvg(svg, 1200));
