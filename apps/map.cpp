@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.hpp"
 #include "graticule/io/file.hpp"
@@ -24,12 +25,6 @@ namespace graticule::apps {
 namespace {
 
 constexpr std::size_t kWays = 500;  // about half a second
-
-MapMethod MethodOf(const std::string& name) {
-  if (name == "naive") return MapMethod::kNaive;
-  if (name == "naive-cover") return MapMethod::kNaiveCover;
-  return name == "cover-composite" ? MapMethod::kCoverComposite : MapMethod::kIncremental;
-}
 
 LiveMapOptions OptionsOf(const MapCommand& command) {
   LiveMapOptions options;
@@ -109,25 +104,20 @@ MapDrawing DrawingOf(const Mission& mission, const MissionStep& last, OccupancyG
   return drawing;
 }
 
-void WriteTrajectories(const Mission& mission, const MissionStep& last, const std::string& datum,
-                       OutputFolder* folder) {
+void WriteTrajectories(const Mission& mission, const MissionStep& last,
+                       const std::optional<Geodetic>& datum, OutputFolder* folder) {
   std::vector<std::vector<StampedPose>> poses(mission.log.robots.size());
   std::vector<GeographicLine> lines;
   for (const std::string& robot : mission.log.robots) lines.push_back({robot, {}});
   for (std::size_t i = 0; i < last.nodes; ++i) {
     const LaserScan& scan = mission.log.scans[mission.nodes[i].scan];
     const PlanarPose& pose = last.world_from_robot[i];
-    StampedPose stamped;
-    stamped.stamp_s = scan.time;
-    stamped.world_from_body = {
-        pose.x, pose.y, 0, 0, 0, std::sin(pose.yaw / 2), std::cos(pose.yaw / 2)};
-    poses[scan.robot].push_back(stamped);
-    if (!datum.empty())
-      lines[scan.robot].points.push_back(GeodeticOf(ParseDatum(datum), pose.x, pose.y));
+    poses[scan.robot].push_back(StampPlanar(scan.time, pose));
+    if (datum) lines[scan.robot].points.push_back(GeodeticOf(*datum, pose.x, pose.y));
   }
   for (std::size_t robot = 0; robot < poses.size(); ++robot)
     folder->Write(mission.log.robots[robot] + ".tum", FormatTum(poses[robot]));
-  if (datum.empty()) return;
+  if (!datum) return;
   folder->Write("trajectories.kml", FormatKml(lines, "graticule map"));
   folder->Write("trajectories.geojson", FormatGeoJson(lines));
 }
@@ -166,7 +156,8 @@ void PrintSummary(const MapReport& report) {
 }  // namespace
 
 int Run(const MapCommand& command, const Console& console) {
-  if (!command.datum.empty()) ParseDatum(command.datum);
+  std::optional<Geodetic> datum;
+  if (!command.datum.empty()) datum = ParseDatum(command.datum);
   const Registry types = LoadTypes(command.reading);
   OutputFolder folder(command.output);
   std::optional<OccupancyGrid> truth;
@@ -182,7 +173,7 @@ int Run(const MapCommand& command, const Console& console) {
   const OccupancyGrid all = MapOfAllNodes(mission, last, options)->Grid();
   std::shared_ptr<const OccupancyMap> map;
   for (const std::string& method : command.methods) {
-    options.method = MethodOf(method);
+    options.method = MapMethodOf(method);
     const bool incremental = options.method == MapMethod::kIncremental;
     const double deadline = command.deadline_ms > 0 && incremental
                                 ? 1e-3 * command.deadline_ms
@@ -235,11 +226,11 @@ int Run(const MapCommand& command, const Console& console) {
   WriteOccupancy(grid, folder.Of("map"));
   WriteGraph(mission, last, &folder);
   folder.Write("map.png", FormatOccupancyPng(grid));
-  WriteTrajectories(mission, last, command.datum, &folder);
-  if (!command.datum.empty()) {
+  WriteTrajectories(mission, last, datum, &folder);
+  if (datum) {
     const std::string world = FormatWorldFile(grid);
     for (const char* name : {"map.pgw", "map.wld"}) folder.Write(name, world);
-    folder.Write("map.prj", FormatProjection(ParseDatum(command.datum)));
+    folder.Write("map.prj", FormatProjection(*datum));
   }
   MapDrawing drawing = DrawingOf(mission, last, grid);
   drawing.title = report.title;

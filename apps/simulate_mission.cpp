@@ -1,7 +1,5 @@
 #include <fmt/core.h>
 
-#include <cmath>
-
 #include "commands.hpp"
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/carmen.hpp"
@@ -29,12 +27,7 @@ int Run(const SimulateMissionCommand& command, const Console& console) {
     std::vector<StampedPose> truth;
     for (std::size_t i = 0; i < mission.log.scans.size(); ++i) {
       if (mission.log.scans[i].robot != robot) continue;
-      const PlanarPose& pose = simulated.world_from_robot[i];
-      StampedPose stamped;
-      stamped.stamp_s = mission.log.scans[i].time;
-      stamped.world_from_body = {
-          pose.x, pose.y, 0, 0, 0, std::sin(pose.yaw / 2), std::cos(pose.yaw / 2)};
-      truth.push_back(stamped);
+      truth.push_back(StampPlanar(mission.log.scans[i].time, simulated.world_from_robot[i]));
     }
     folder.Write("truth." + name + ".tum", FormatTum(truth));
   }

@@ -70,10 +70,7 @@ int Shape(const std::string& name, std::vector<std::string> methods) {
   if (methods.empty()) methods = {"naive", "naive-cover", "cover-composite", "incremental"};
   for (const std::string& method : methods) {
     LiveMapOptions options;
-    options.method = method == "naive"             ? MapMethod::kNaive
-                     : method == "naive-cover"     ? MapMethod::kNaiveCover
-                     : method == "cover-composite" ? MapMethod::kCoverComposite
-                                                   : MapMethod::kIncremental;
+    options.method = MapMethodOf(method);
     const MappedMission mapped = MapMission(mission, steps, options);
     const OccupancyGrid grid = mapped.map->Grid();
     const MapAgreement agreement = CompareMaps(all, grid);

@@ -121,12 +121,9 @@ void Print(const std::string& name, Replay replay, const OccupancyMap& reference
                replay.left_over, replay.graphs_with_left_over, replay.over_deadline);
 }
 
-const std::map<std::string, MapMethod> kMethods = {{"naive", MapMethod::kNaive},
-                                                   {"naive-cover", MapMethod::kNaiveCover},
-                                                   {"cover-composite", MapMethod::kCoverComposite},
-                                                   {"incremental", MapMethod::kIncremental}};
-
 int Main(int argc, char** argv) {
+  const std::map<std::string, MapMethod> methods_known(MapMethodNames().begin(),
+                                                       MapMethodNames().end());
   Mission mission;
   mission.laser = ParseG2oLaser(ReadFile(argv[1]), argv[1]);
   mission.sequence = ParsePoseSequence(ReadFile(argv[2]), argv[2]);
@@ -141,7 +138,7 @@ int Main(int argc, char** argv) {
     const std::string name = word.substr(0, equals);
     const double value = equals == std::string::npos ? 1 : std::atof(word.c_str() + equals + 1);
     const int whole = static_cast<int>(value);
-    if (kMethods.count(name))
+    if (methods_known.count(name))
       methods.push_back(name);
     else if (name == "slice")
       options.slice_size = static_cast<std::size_t>(whole);
@@ -178,7 +175,7 @@ int Main(int argc, char** argv) {
   }
   const auto reference = Reference(mission, options);
   for (const std::string& method : methods) {
-    options.method = kMethods.at(method);
+    options.method = methods_known.at(method);
     Print(method, Run(mission, options, deadline), *reference);
   }
   return 0;

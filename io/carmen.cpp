@@ -30,12 +30,6 @@ bool Near(const PlanarPose& a, const PlanarPose& b) {
          std::abs(WrappedAngle(a.yaw - b.yaw)) < kSameGeometry;
 }
 
-/// Between two poses; `part` from 0 to 1.
-PlanarPose Between(const PlanarPose& a, const PlanarPose& b, double part) {
-  return {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y),
-          WrappedAngle(a.yaw + part * WrappedAngle(b.yaw - a.yaw))};
-}
-
 /// When, and at which byte of the file, a message is.
 struct Times {
   double message = 0, logger = 0;
@@ -306,8 +300,8 @@ class Reader {
         continue;
       }
       const Odometry& before = *(after - 1);
-      scan.odom_from_robot = Between(before.odom_from_robot, after->odom_from_robot,
-                                     (scan.time - before.time) / (after->time - before.time));
+      scan.odom_from_robot = Interpolated(before.odom_from_robot, after->odom_from_robot,
+                                          (scan.time - before.time) / (after->time - before.time));
     }
   }
 

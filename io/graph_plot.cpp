@@ -17,17 +17,6 @@ using plot::GraphDrawing;
 constexpr double kStripHeight = 28;  // under a panel's picture, for the scale bar
 constexpr double kBarWidth = 300, kRowHeight = 20;
 
-void DrawScaleBar(const GraphDrawing& drawing, double left, double top, Svg* svg) {
-  const double scale = drawing.PixelsPerMetre();
-  const double metres = plot::RoundDown(drawing.panel_width * 0.25 / scale);
-  const double right = left + metres * scale;
-  const Attributes stroke = plot::MarkStroke(1.5);
-  svg->Line(left, top, right, top, stroke);
-  svg->Line(left, top - 4, left, top + 4, stroke);
-  svg->Line(right, top - 4, right, top + 4, stroke);
-  svg->Text(right + 7, top + 4, ReadableNumber(metres) + " m", plot::SoftInk(11));
-}
-
 void DrawFramedPanel(const GraphDrawing& drawing, const std::vector<GraphPlot::Node>& nodes,
                      const std::string& label, double left, double top, Svg* svg) {
   const double width = drawing.panel_width, height = drawing.panel_height;
@@ -41,7 +30,8 @@ void DrawFramedPanel(const GraphDrawing& drawing, const std::vector<GraphPlot::N
                     {"viewBox", "0 0 " + SvgNumber(width) + " " + SvgNumber(height)}});
   plot::DrawPanel(drawing, nodes, svg);
   svg->Close();
-  DrawScaleBar(drawing, left + 12, top + height + 0.5 * kStripHeight, svg);
+  plot::DrawScaleBar(drawing.PixelsPerMetre(), drawing.panel_width, left + 12,
+                     top + height + 0.5 * kStripHeight, svg);
 }
 
 void DrawColourBar(const plot::Loops& loops, double left, double top, Svg* svg) {

@@ -40,15 +40,6 @@ struct View {
   }
 };
 
-void DrawScaleBar(double scale, double width, double left, double top, Svg* svg) {
-  const double metres = plot::RoundDown(width * 0.25 / scale), right = left + metres * scale;
-  const plot::Attributes stroke = plot::MarkStroke(1.5);
-  svg->Line(left, top, right, top, stroke);
-  svg->Line(left, top - 4, left, top + 4, stroke);
-  svg->Line(right, top - 4, right, top + 4, stroke);
-  svg->Text(right + 7, top + 4, ReadableNumber(metres) + " m", plot::SoftInk(11));
-}
-
 plot::Attributes ClosureStroke() {
   return {
       {"stroke", "#d55e00"}, {"stroke-width", "0.7"}, {"stroke-opacity", "0.55"}, {"fill", "none"}};
@@ -107,7 +98,7 @@ std::string DrawMap(const MapDrawing& drawing) {
   DrawLines(drawing, view, &svg);
   svg.Close();
   svg.Rect(kMargin, kTop, width, height, plot::Frame());
-  DrawScaleBar(view.scale, width, kMargin + 4, kTop + height + 18, &svg);
+  plot::DrawScaleBar(view.scale, width, kMargin + 4, kTop + height + 18, &svg);
 
   const auto place = [&](std::size_t entry) {
     const double x = kMargin + static_cast<double>(entry % kColumns) * panel_width / kColumns;

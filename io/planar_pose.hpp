@@ -35,4 +35,11 @@ inline PlanarPose Inverse(const PlanarPose& a_from_b) {
           WrappedAngle(-a_from_b.yaw)};
 }
 
+/// Between two poses, `part` of the way from the first (0) to the second (1), turning the shorter
+/// way.
+inline PlanarPose Interpolated(const PlanarPose& from, const PlanarPose& to, double part) {
+  return {from.x + part * (to.x - from.x), from.y + part * (to.y - from.y),
+          WrappedAngle(from.yaw + part * WrappedAngle(to.yaw - from.yaw))};
+}
+
 }  // namespace graticule

@@ -190,6 +190,16 @@ Axis LogAxis(double low, double high, int count) {
   return axis;
 }
 
+void DrawScaleBar(double pixels_per_metre, double width, double left, double top, Svg* svg) {
+  const double metres = RoundDown(width * 0.25 / pixels_per_metre);
+  const double right = left + metres * pixels_per_metre;
+  const Attributes stroke = MarkStroke(1.5);
+  svg->Line(left, top, right, top, stroke);
+  svg->Line(left, top - 4, left, top + 4, stroke);
+  svg->Line(right, top - 4, right, top + 4, stroke);
+  svg->Text(right + 7, top + 4, ReadableNumber(metres) + " m", SoftInk(11));
+}
+
 }  // namespace plot
 
 std::string PlotDarkCss() {

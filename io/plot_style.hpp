@@ -63,6 +63,10 @@ Axis LogAxis(double low, double high, int count);
 /// 1, 2 or 5 times a power of ten, at most `value`.
 double RoundDown(double value);
 
+/// A line of a round number of metres from (left, top), about a quarter of `width` pixels long, and
+/// how long it is.
+void DrawScaleBar(double pixels_per_metre, double width, double left, double top, Svg* svg);
+
 }  // namespace plot
 
 /// CSS rules that turn inline plots dark; for inside a prefers-color-scheme query.

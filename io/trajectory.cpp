@@ -14,18 +14,19 @@ namespace {
 constexpr const char* kFields[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 
 StampedPose MakePose(double stamp_s, Span<const double> value) {
+  if (value.size() != 7) return StampPlanar(stamp_s, {value[0], value[1], value[2]});
   StampedPose pose;
   pose.stamp_s = stamp_s;
-  if (value.size() == 7) {
-    std::copy(value.begin(), value.end(), pose.world_from_body.begin());
-  } else {
-    const double half = std::remainder(value[2], 2 * M_PI) / 2;  // so that qw >= 0
-    pose.world_from_body = {value[0], value[1], 0, 0, 0, std::sin(half), std::cos(half)};
-  }
+  std::copy(value.begin(), value.end(), pose.world_from_body.begin());
   return pose;
 }
 
 }  // namespace
+
+StampedPose StampPlanar(double stamp_s, const PlanarPose& world_from_body) {
+  const double half = std::remainder(world_from_body.yaw, 2 * M_PI) / 2;  // so that qw >= 0
+  return {stamp_s, {world_from_body.x, world_from_body.y, 0, 0, 0, std::sin(half), std::cos(half)}};
+}
 
 std::vector<StampedPose> ParseTum(std::string_view text, const std::string& name) {
   TextReader reader(text, name);

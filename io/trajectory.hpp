@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "graticule/io/planar_pose.hpp"
 #include "graticule/solver/graph.hpp"
 
 namespace graticule {
@@ -14,6 +15,9 @@ struct StampedPose {
   double stamp_s = 0;
   std::array<double, 7> world_from_body{0, 0, 0, 0, 0, 0, 1};  ///< x y z qx qy qz qw
 };
+
+/// A pose of the plane: z = 0, turned about z.
+StampedPose StampPlanar(double stamp_s, const PlanarPose& world_from_body);
 
 /// Reads a trajectory as the TUM benchmark has it: `stamp x y z qx qy qz qw`, `#` begins a comment.
 /// Quaternions are brought to unit length.  Throws Error "name:line:column: ...".

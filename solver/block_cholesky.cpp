@@ -1,6 +1,5 @@
 #include "graticule/solver/block_cholesky.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 

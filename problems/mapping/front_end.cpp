@@ -268,8 +268,7 @@ class Builder {
               poses_[node + 1] * (Inverse(nodes_[node + 1].pose) * track.scan_poses[i]);
           const double part = static_cast<double>(scan - nodes_[node].scan) /
                               static_cast<double>(nodes_[node + 1].scan - nodes_[node].scan);
-          pose = {pose.x + part * (other.x - pose.x), pose.y + part * (other.y - pose.y),
-                  WrappedAngle(pose.yaw + part * WrappedAngle(other.yaw - pose.yaw))};
+          pose = Interpolated(pose, other, part);
         }
         mission_.world_from_scan[scan] = pose;
       }

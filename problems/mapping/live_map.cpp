@@ -6,10 +6,10 @@
 #include <map>
 #include <mutex>
 #include <string>
-#include <thread>
 
 #include "graticule/problems/mapping/cover.hpp"
 #include "graticule/problems/mapping/dense_slice.hpp"
+#include "graticule/problems/mapping/parallel_for.hpp"
 #include "graticule/problems/mapping/projection_error.hpp"
 #include "graticule/problems/mapping/rasteriser.hpp"
 #include "graticule/problems/mapping/scan_points.hpp"
@@ -281,14 +281,9 @@ class LiveMap::Machine {
     fresh_.resize(std::max(fresh_.size(), batch_.size()));
     const std::size_t threads =
         std::clamp<std::size_t>(batch_.size() / kNodesWorthAThread, 1, rasterisers_.size());
-    const auto draw = [this, threads](std::size_t thread) {
-      for (std::size_t i = thread; i < batch_.size(); i += threads)
-        rasterisers_[thread].Draw(nodes_[batch_[i]].points, places_[batch_[i]].pose, &fresh_[i]);
-    };
-    std::vector<std::thread> others;
-    for (std::size_t t = 1; t < threads; ++t) others.emplace_back(draw, t);
-    draw(0);
-    for (std::thread& other : others) other.join();
+    ParallelFor(batch_.size(), threads, [this](std::size_t worker, std::size_t i) {
+      rasterisers_[worker].Draw(nodes_[batch_[i]].points, places_[batch_[i]].pose, &fresh_[i]);
+    });
     for (std::size_t i = 0; i < batch_.size(); ++i) {
       Node& node = nodes_[batch_[i]];
       Replace(node.robot, node.drawing, fresh_[i]);

@@ -25,6 +25,25 @@ void Check(bool good, const std::string& expected, double found) {
 
 }  // namespace
 
+const std::vector<std::pair<std::string, MapMethod>>& MapMethodNames() {
+  static const std::vector<std::pair<std::string, MapMethod>> names = {
+      {"naive", MapMethod::kNaive},
+      {"naive-cover", MapMethod::kNaiveCover},
+      {"cover-composite", MapMethod::kCoverComposite},
+      {"incremental", MapMethod::kIncremental}};
+  return names;
+}
+
+MapMethod MapMethodOf(std::string_view name) {
+  std::string known;
+  for (const auto& [word, method] : MapMethodNames()) {
+    if (name == word) return method;
+    known += (known.empty() ? "" : ", ") + word;
+  }
+  throw Error("there is no method '" + std::string(name) + "': expected one of " + known,
+              ErrorKind::kUsage);
+}
+
 void CheckVoteRule(const VoteRule& rule) {
   if (rule.hit_votes < 1 || rule.hit_votes > kMaxWeight)
     Refuse("hit_votes", rule.hit_votes, "from 1 to 15");

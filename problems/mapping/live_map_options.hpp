@@ -1,6 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace graticule {
 
@@ -50,6 +54,11 @@ enum class MapMethod {
   kCoverComposite,  ///< Algorithm 2.1: slices drawn when they moved, all composited at every update
   kIncremental,     ///< slices that moved are taken out of the map and put back in: nothing else
 };
+
+/// "naive", "naive-cover", "cover-composite", "incremental".
+const std::vector<std::pair<std::string, MapMethod>>& MapMethodNames();
+/// Throws Error (kUsage): none of these names.
+MapMethod MapMethodOf(std::string_view name);
 
 struct LiveMapOptions {
   MapMethod method = MapMethod::kIncremental;

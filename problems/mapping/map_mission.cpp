@@ -37,7 +37,6 @@ MappedMission MapMission(const Mission& mission, const std::vector<MissionStep>&
     more.seconds += mapped.updates.back().seconds;
     mapped.updates.back() = std::move(more);
   }
-  mapped.live = map.Map();
   map.UpdateExactly();
   mapped.map = map.Map();
   return mapped;

@@ -14,8 +14,7 @@ namespace graticule {
 /// A mission's map, and the updates that led to it, one for each graph of its sequence.
 struct MappedMission {
   std::vector<MapUpdate> updates;
-  std::shared_ptr<const OccupancyMap> live;  ///< as the last of these left it
-  std::shared_ptr<const OccupancyMap> map;   ///< with every node where the last graph has it
+  std::shared_ptr<const OccupancyMap> map;  ///< with every node where the last graph has it
 };
 
 /// Draws a sequence of graphs G_1 .. G_n of a mission as a live map would have: of each, the nodes

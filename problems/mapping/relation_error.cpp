@@ -20,11 +20,7 @@ bool PoseAt(const std::vector<TimedPose>& poses, double time, double farthest_s,
     *pose = (to_a <= to_b ? a : b)->world_from_robot;
     return true;
   }
-  const PlanarPose& from = a->world_from_robot;
-  const PlanarPose& to = b->world_from_robot;
-  const double part = to_a / (to_a + to_b);
-  *pose = {from.x + part * (to.x - from.x), from.y + part * (to.y - from.y),
-           WrappedAngle(from.yaw + part * WrappedAngle(to.yaw - from.yaw))};
+  *pose = Interpolated(a->world_from_robot, b->world_from_robot, to_a / (to_a + to_b));
   return true;
 }
 

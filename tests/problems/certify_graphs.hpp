@@ -7,12 +7,19 @@
 #include "graticule/factors/builtins.hpp"
 #include "graticule/problems/random.hpp"
 #include "graticule/solver/graph.hpp"
+#include "graticule/solver/solve.hpp"
 
 namespace graticule::test {
 
 enum class Reading { kPlane, kQuaternion, kAngle };
 
 inline int ResidualSize(Reading reading) { return reading == Reading::kPlane ? 3 : 6; }
+
+inline double Cost(const Graph& graph, const Values& values) {
+  double cost = 0;
+  for (const double chi2 : FactorChi2(graph, values)) cost += 0.5 * chi2;
+  return cost;
+}
 
 /// Anywhere, turned anyhow.
 inline std::vector<double> AnyPose(Reading reading, double size_m, RandomNumbers* random) {

@@ -14,13 +14,8 @@
 namespace graticule {
 namespace {
 
+using test::Cost;
 using test::Reading;
-
-double Cost(const Graph& graph, const Values& values) {
-  double cost = 0;
-  for (const double chi2 : FactorChi2(graph, values)) cost += 0.5 * chi2;
-  return cost;
-}
 
 template <int kDim>
 double ValueOf(const Quadratic<kDim>& quadratic, const Poses<kDim>& poses) {

@@ -16,13 +16,8 @@
 namespace graticule {
 namespace {
 
+using test::Cost;
 using test::Reading;
-
-double Cost(const Graph& graph, const Values& values) {
-  double cost = 0;
-  for (const double chi2 : FactorChi2(graph, values)) cost += 0.5 * chi2;
-  return cost;
-}
 
 // Two poses that two factors join, turned apart by `apart` either way: the two angles between them
 // that are stationary are 0, at a cost of apart^2, and pi, at a cost of (pi - apart)^2.
