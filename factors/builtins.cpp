@@ -5,6 +5,7 @@
 #include "graticule/factors/pose.hpp"
 #include "graticule/factors/position.hpp"
 #include "graticule/factors/prior.hpp"
+#include "graticule/factors/reprojection.hpp"
 #include "graticule/factors/sdk.hpp"
 
 namespace graticule {
@@ -15,6 +16,13 @@ constexpr const char* kOrigin = "built-in";
 template <class... Factors>
 void AddFactors(Registry* registry) {
   (registry->Add(MakeFactorType(sdk::Table<Factors>::kTable, kOrigin)), ...);
+}
+
+template <class... Lenses>
+void AddCameras(Registry* registry) {
+  (registry->Add(MakeVariableType(sdk::VariableTable<CameraVariable<Lenses>>::kTable, kOrigin)),
+   ...);
+  (AddFactors<Reprojection<Lenses>, CornerReprojection<Lenses>>(registry), ...);
 }
 
 }  // namespace
@@ -31,6 +39,10 @@ Registry Builtins() {
   AddFactors<PriorPoint2, PriorPoint3>(&registry);
   AddFactors<PositionSe2, PositionSe3>(&registry);
   AddFactors<BalReprojection>(&registry);
+  registry.Add(MakeVariableType(sdk::VariableTable<BoardWarp>::kTable, kOrigin));
+  AddCameras<PinholeLens, Radial2Lens, Radial3Lens, Brown4Lens, Brown5Lens, Brown8Lens,
+             AngularLens<1>, AngularLens<2>, AngularLens<3>, AngularLens<4>, AngularLens<5>,
+             AngularLens<6>, UnifiedLens, ExtendedUnifiedLens, DoubleSphereLens>(&registry);
   return registry;
 }
 

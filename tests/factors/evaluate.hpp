@@ -100,6 +100,19 @@ inline std::vector<double> RandomValue(const VariableType& type, Random* random)
                   {Uniform(random, 300, 900), Uniform(random, -.1, .1), Uniform(random, -.1, .1)});
     return camera;
   }
+  if (type.name.rfind("camera_", 0) == 0) {  // lenses as they are: mild terms
+    std::vector<double> camera;
+    for (const Field& field : type.fields) {
+      if (field.name[0] == 'f') camera.push_back(Uniform(random, 300, 900));
+      if (field.name[0] == 'c') camera.push_back(Uniform(random, 200, 600));
+      if (field.name[0] == 'k' || field.name[0] == 'p')
+        camera.push_back(Uniform(random, -.03, .03));
+      if (field.name == "alpha") camera.push_back(Uniform(random, .1, .7));
+      if (field.name == "beta") camera.push_back(Uniform(random, .8, 1.2));
+      if (field.name == "xi") camera.push_back(Uniform(random, -.3, .3));
+    }
+    return camera;
+  }
   std::vector<double> value;
   for (const Field& field : type.fields) {
     if (field.name == "qx") {
@@ -109,6 +122,16 @@ inline std::vector<double> RandomValue(const VariableType& type, Random* random)
     }
   }
   return value;
+}
+
+/// Poses that put a target's points, within 15 m of its origin, at a depth of 1 m and more.
+inline void PlaceBeforeTheCamera(std::vector<double>* camera_from_rig,
+                                 std::vector<double>* rig_from_target, Random* random) {
+  const double turn[3] = {Uniform(random, -.1, .1), Uniform(random, -.1, .1),
+                          Uniform(random, -3, 3)};
+  for (int i = 0; i < 3; ++i) (*camera_from_rig)[i] = Uniform(random, -.2, .2);
+  QuaternionExp(turn, camera_from_rig->data() + 3);
+  (*rig_from_target)[2] = Uniform(random, 18, 25);
 }
 
 /// A measurement by its fields' names.
