@@ -22,7 +22,8 @@ template <class... Lenses>
 void AddCameras(Registry* registry) {
   (registry->Add(MakeVariableType(sdk::VariableTable<CameraVariable<Lenses>>::kTable, kOrigin)),
    ...);
-  (AddFactors<Reprojection<Lenses>, CornerReprojection<Lenses>>(registry), ...);
+  (AddFactors<Reprojection<Lenses>, CornerReprojection<Lenses>, PriorCamera<Lenses>>(registry),
+   ...);
 }
 
 }  // namespace

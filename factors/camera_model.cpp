@@ -18,6 +18,7 @@ constexpr CameraModel Model(bool sees_behind) {
           sees_behind,
           CameraVariable<Lens>::kName,
           Reprojection<Lens>::kName,
+          PriorCamera<Lens>::kName,
           CornerReprojection<Lens>::kName};
 }
 

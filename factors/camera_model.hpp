@@ -19,6 +19,7 @@ struct CameraModel {
   bool sees_behind;           ///< has images of points with z <= 0
   const char* variable;       ///< "camera_angular4/1"
   const char* view_factor;    ///< "reprojection_angular4/1"
+  const char* prior_factor;   ///< "prior_camera_angular4/1"
   const char* corner_factor;  ///< "corner_reprojection_angular4/1"
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <vector>
 
@@ -16,6 +18,9 @@ struct Names {
   static constexpr auto kCamera = TextOf<64>({"camera_", Lens::kName, "/1"});
   static constexpr auto kView = TextOf<64>({"reprojection_", Lens::kName, "/1"});
   static constexpr auto kCorner = TextOf<64>({"corner_reprojection_", Lens::kName, "/1"});
+  static constexpr auto kPrior = TextOf<64>({"prior_camera_", Lens::kName, "/1"});
+  static constexpr auto kPriorSchema =
+      TextOf<192>({"camera:camera_", Lens::kName, "/1 | ", Lens::kFields});
   static constexpr auto kViewSchema =
       TextOf<256>({"camera:camera_", Lens::kName,
                    "/1 camera_from_rig:se3/1 rig_from_target:se3/1 warp:board_warp/1 | "
@@ -64,6 +69,26 @@ struct CameraVariable {
   static constexpr const char* kFields = Lens::kFields;
   static constexpr const char* kTangent = Lens::kFields;
   static constexpr const char* kSummary = "a camera's intrinsic parameters";
+};
+
+/// A camera's parameters are known.  Residual in their units: parameters - measured; zero when they
+/// agree.
+template <class Lens>
+struct PriorCamera {
+  static constexpr const char* kName = reprojection::Names<Lens>::kPrior.data();
+  static constexpr const char* kSchema = reprojection::Names<Lens>::kPriorSchema.data();
+  static constexpr const char* kSummary = "a camera's parameters are known";
+  static constexpr int kSize = 4 + Lens::kTerms;
+
+  std::array<double, kSize> measured;
+
+  explicit PriorCamera(Measurement m) { std::copy(m.values, m.values + kSize, measured.begin()); }
+
+  bool Evaluate(const double* const* blocks, double* residual, double** jacobians) const {
+    for (int i = 0; i < kSize; ++i) residual[i] = blocks[0][i] - measured[i];
+    if (jacobians && jacobians[0]) JacobianMap<kSize, kSize>(jacobians[0]).setIdentity();
+    return true;
+  }
 };
 
 /// How a board that should be flat is bent: z = xx x^2 + yy y^2 + xy x y, in the target's frame.

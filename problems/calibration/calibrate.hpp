@@ -12,6 +12,12 @@
 
 namespace graticule {
 
+/// What is known of a camera before any target was seen.
+struct CameraPrior {
+  std::vector<double> mean;  ///< parameters, as the model has them
+  Noise noise;
+};
+
 struct CalibrationOptions {
   std::string model = "angular4";
   BoardShape board = BoardShape::kFlat;
@@ -22,6 +28,7 @@ struct CalibrationOptions {
   double outlier_sigmas = 5;
   /// Standard deviation of a detected corner [px] on either axis; 0: from the residuals.
   double sigma_px = 0;
+  std::vector<CameraPrior> camera_priors;  ///< one a camera, or none
   SolveOptions solve;
 };
 

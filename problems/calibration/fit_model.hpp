@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "graticule/problems/calibration/camera.hpp"
+#include "graticule/solver/registry.hpp"
+
+namespace graticule {
+
+/// What a model's parameters are where nothing is known but its first four: no distortion, or for
+/// lenses that have none as their own, what is like a fisheye.
+std::vector<double> PlainParameters(const CameraModel& model, double focal_px, double centre_x,
+                                    double centre_y);
+
+/// The camera of another model that sends these rays to the same pixels as nearly as it can (least
+/// squares over the pixels).  Rays that the model cannot see do not count.  A least-squares problem
+/// of one factor, solved from PlainParameters.
+CameraIntrinsics FitModel(const Registry& types, const Camera& camera,
+                          const std::vector<Eigen::Vector2d>& pixels, const std::string& model);
+
+}  // namespace graticule
