@@ -5,7 +5,6 @@
 #include <string>
 
 #include "graticule/problems/calibration/first_guess.hpp"
-#include "graticule/problems/calibration/fit_model.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -150,18 +149,23 @@ void PlaceTargets(const Detections& detections, double farthest_px, CalibrationS
     if (error[e] > farthest_px && best[e] >= farthest_px) state->rig_from_target[e].reset();
 }
 
+FittedModel FitModelTo(const Registry& types, const Detections& detections,
+                       const CalibrationState& state, std::size_t camera,
+                       const std::string& model) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (const TargetView& view : detections.views)
+    if (view.camera == camera && state.rig_from_target[view.exposure])
+      for (const DetectedCorner& corner : view.corners)
+        pixels.emplace_back(corner.pixel[0], corner.pixel[1]);
+  return FitModel(types, Camera(state.cameras[camera]), pixels, model);
+}
+
 Calibration ChangeModel(const Registry& types, const Detections& detections,
                         const CalibrationState& state, const CalibrationOptions& options) {
   CalibrationState start = state;
-  for (std::size_t c = 0; c < start.cameras.size(); ++c) {
-    if (start.cameras[c].model == options.model) continue;
-    std::vector<Eigen::Vector2d> pixels;
-    for (const TargetView& view : detections.views)
-      if (view.camera == c && state.rig_from_target[view.exposure])
-        for (const DetectedCorner& corner : view.corners)
-          pixels.emplace_back(corner.pixel[0], corner.pixel[1]);
-    start.cameras[c] = FitModel(types, Camera(start.cameras[c]), pixels, options.model);
-  }
+  for (std::size_t c = 0; c < start.cameras.size(); ++c)
+    if (start.cameras[c].model != options.model)
+      start.cameras[c] = FitModelTo(types, detections, state, c, options.model).camera;
   return RefineCalibration(types, detections, start, options);
 }
 

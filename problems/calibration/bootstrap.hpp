@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graticule/problems/calibration/calibrate.hpp"
+#include "graticule/problems/calibration/fit_model.hpp"
 
 namespace graticule {
 
@@ -15,6 +16,10 @@ void PlaceTargets(const Detections& detections, double farthest_px, CalibrationS
 /// can be said (a camera without a usable view, cameras that never saw the target together).
 Calibration BootstrapCalibration(const Registry& types, const Detections& detections,
                                  const CalibrationOptions& options);
+
+/// One camera of a state in the terms of another model, over the pixels that its views have.
+FittedModel FitModelTo(const Registry& types, const Detections& detections,
+                       const CalibrationState& state, std::size_t camera, const std::string& model);
 
 /// The same calibration with another model, begun at this one.
 Calibration ChangeModel(const Registry& types, const Detections& detections,

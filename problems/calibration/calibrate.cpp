@@ -208,24 +208,37 @@ Residuals AllResiduals(const CalibrationState& state, const Detections& detectio
 
 // Standard deviation of one coordinate, blind to outliers: the median distance of a corner is
 // 1.1774 of it (Rayleigh).  Never below a thousandth of a pixel, where predictions are exact.
-double RobustSigma(const Residuals& residuals) {
-  std::vector<double> distances;
-  for (const auto& view : residuals)
-    for (const Eigen::Vector2d& r : view)
-      if (std::isfinite(r.x())) distances.push_back(r.norm());
+double RobustSigma(std::vector<double> distances) {
+  distances.erase(std::remove_if(distances.begin(), distances.end(),
+                                 [](double d) { return !std::isfinite(d); }),
+                  distances.end());
   if (distances.empty()) return 1;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   return std::max(*middle / 1.1774, 1e-3);
 }
 
-// Corners that are near enough; none of a view that would keep fewer than a pose needs.
-CornerUse Near(const Residuals& residuals, double farthest_px) {
+double RobustSigma(const Residuals& residuals) {
+  std::vector<double> distances;
+  for (const auto& view : residuals)
+    for (const Eigen::Vector2d& r : view) distances.push_back(r.norm());
+  return RobustSigma(std::move(distances));
+}
+
+// Corners within so many standard deviations; none of a view that would keep fewer than a pose
+// needs.  Views differ: one that is blurred may be worse than the others by a factor of three, and
+// keeps its corners.
+CornerUse Near(const Residuals& residuals, double sigma, double sigmas) {
   constexpr std::ptrdiff_t kFewest = 4;
+  constexpr double kWorse = 3;
   CornerUse use;
   for (const auto& view : residuals) {
+    std::vector<double> distances;
+    for (const Eigen::Vector2d& r : view) distances.push_back(r.norm());
+    const double own = std::min(RobustSigma(distances), kWorse * sigma);
     std::vector<std::uint8_t> near;
-    for (const Eigen::Vector2d& r : view) near.push_back(r.norm() <= farthest_px);
+    for (const double distance : distances)
+      near.push_back(distance <= sigmas * std::max(sigma, own));
     if (std::count(near.begin(), near.end(), 1) < kFewest) near.assign(near.size(), 0);
     use.push_back(std::move(near));
   }
@@ -294,7 +307,7 @@ Calibration RefineCalibration(const Registry& types, const Detections& detection
   double sigma = options.sigma_px > 0 ? options.sigma_px : RobustSigma(residuals);
   // At first whatever the start can predict counts, unless it is far beyond the others: a start is
   // not yet near enough to judge by.
-  result.use = Near(residuals, 10 * options.outlier_sigmas * sigma);
+  result.use = Near(residuals, sigma, 10 * options.outlier_sigmas);
   for (int round = 0; round < kRounds; ++round) {
     DropUnseen(detections, result.use, &result.state);
     const Graph graph =
@@ -304,7 +317,7 @@ Calibration RefineCalibration(const Registry& types, const Detections& detection
     result.report = std::move(solution.report);
     residuals = AllResiduals(result.state, detections);
     if (!(options.sigma_px > 0)) sigma = RobustSigma(residuals);
-    CornerUse use = Near(residuals, options.outlier_sigmas * sigma);
+    CornerUse use = Near(residuals, sigma, options.outlier_sigmas);
     const bool is_settled = use == result.use;
     Summarise(detections, graph, &result);
     if (is_settled) break;

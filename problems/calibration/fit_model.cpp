@@ -20,8 +20,8 @@ std::vector<double> PlainParameters(const CameraModel& model, double focal_px, d
   return parameters;
 }
 
-CameraIntrinsics FitModel(const Registry& types, const Camera& camera,
-                          const std::vector<Eigen::Vector2d>& pixels, const std::string& name) {
+FittedModel FitModel(const Registry& types, const Camera& camera,
+                     const std::vector<Eigen::Vector2d>& pixels, const std::string& name) {
   const CameraModel& model = CameraModelOf(name);
   const CameraIntrinsics& from = camera.Intrinsics();
   // A camera with a plane in front of it has images up to 90 degrees, which lie at infinity: what
@@ -33,21 +33,25 @@ CameraIntrinsics FitModel(const Registry& types, const Camera& camera,
                 Noise::Unit(),
                 {},
                 ""};
+  FittedModel fitted;
   for (const Eigen::Vector2d& pixel : pixels) {
     const auto ray = camera.Unproject(pixel);
-    if (!ray || std::atan2(std::hypot(ray->x(), ray->y()), ray->z()) > max_angle) continue;
+    if (!ray || std::atan2(std::hypot(ray->x(), ray->y()), ray->z()) > max_angle) {
+      ++fitted.unseen;
+      continue;
+    }
     factor.measurement.insert(factor.measurement.end(),
                               {ray->x(), ray->y(), ray->z(), pixel.x(), pixel.y()});
   }
-  CameraIntrinsics fitted = from;
-  fitted.model = name;
+  fitted.camera = from;
+  fitted.camera.model = name;
   const std::vector<double>& p = from.parameters;
-  fitted.parameters = PlainParameters(model, std::sqrt(p[0] * p[1]), p[2], p[3]);
+  fitted.camera.parameters = PlainParameters(model, std::sqrt(p[0] * p[1]), p[2], p[3]);
   // As many rays as numbers, or the start is as good as it gets.
-  if (factor.measurement.size() < 5 * fitted.parameters.size()) return fitted;
+  if (factor.measurement.size() < 5 * fitted.camera.parameters.size()) return fitted;
   // One factor's coordinates are shared by three: the rays are the places of a target's corners.
   Graph graph(types);
-  graph.Add(Key("camera", 0), model.variable, fitted.parameters);
+  graph.Add(Key("camera", 0), model.variable, fitted.camera.parameters);
   const std::vector<double> identity(kIdentityPose.begin(), kIdentityPose.end());
   graph.Add(Key("camera_from_rig", 0), "se3/1", identity, true);
   graph.Add(Key("target", 0), "se3/1", identity, true);
@@ -58,7 +62,9 @@ CameraIntrinsics FitModel(const Registry& types, const Camera& camera,
   options.initial_trust_region_radius = 1e4;
   const Solution solution = Solve(graph, options);
   const Span<const double> found = solution.values.At(Key("camera", 0));
-  fitted.parameters.assign(found.begin(), found.end());
+  fitted.camera.parameters.assign(found.begin(), found.end());
+  const auto rays = static_cast<double>(factor.measurement.size() / 5);
+  fitted.rms_px = std::sqrt(solution.report.Chi2() / rays);
   return fitted;
 }
 

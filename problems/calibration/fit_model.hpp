@@ -14,10 +14,16 @@ namespace graticule {
 std::vector<double> PlainParameters(const CameraModel& model, double focal_px, double centre_x,
                                     double centre_y);
 
-/// The camera of another model that sends these rays to the same pixels as nearly as it can (least
-/// squares over the pixels).  Rays that the model cannot see do not count.  A least-squares problem
-/// of one factor, solved from PlainParameters.
-CameraIntrinsics FitModel(const Registry& types, const Camera& camera,
-                          const std::vector<Eigen::Vector2d>& pixels, const std::string& model);
+/// A camera in the terms of another model, and how far its images are off.
+struct FittedModel {
+  CameraIntrinsics camera;
+  double rms_px = 0;       ///< over the rays that count
+  std::size_t unseen = 0;  ///< pixels whose rays the model cannot see
+};
+
+/// The camera of another model that sends these pixels' rays to the same pixels as nearly as it can
+/// (least squares).  A problem of one factor, solved from PlainParameters.
+FittedModel FitModel(const Registry& types, const Camera& camera,
+                     const std::vector<Eigen::Vector2d>& pixels, const std::string& model);
 
 }  // namespace graticule
