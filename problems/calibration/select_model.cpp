@@ -168,10 +168,9 @@ ModelSelection SelectModel(const Registry& types, const Detections& detections,
   }
   std::size_t best_shape = 0;
   for (std::size_t i = 1; i < shapes.size(); ++i) {
-    Candidate against = shapes[i];
-    Compare(shapes[best_shape], &against);
-    if (against.trial.failure.empty() &&
-        against.trial.difference_px < -against.trial.standard_error_px)
+    ModelTrial& against = shapes[i].trial;
+    Compare(shapes[best_shape], &shapes[i]);
+    if (against.failure.empty() && against.difference_px < -against.standard_error_px)
       best_shape = i;
   }
   for (const Candidate& shape : shapes) selection.shapes.push_back(shape.trial);
@@ -200,7 +199,11 @@ ModelSelection SelectModel(const Registry& types, const Detections& detections,
   for (std::size_t i = 1; i < candidates.size(); ++i) {
     const ModelTrial& trial = selection.trials[i];
     if (!trial.failure.empty() || !trial.converged) continue;
-    if (trial.difference_px > trial.standard_error_px) continue;
+    // Two standard errors, no less than a hundredth (folds are few) and no more than a twentieth
+    // (an error that varies wildly is no excuse).
+    const double best = Score(selection.trials.front());
+    const double slack = std::clamp(2 * trial.standard_error_px, 0.01 * best, 0.05 * best);
+    if (trial.difference_px > slack) continue;
     const ModelTrial& chosen = selection.trials[selection.chosen];
     if (trial.bic < chosen.bic || !chosen.converged) selection.chosen = i;
   }
