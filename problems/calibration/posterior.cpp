@@ -10,6 +10,7 @@
 
 #include "graticule/problems/calibration/view_information.hpp"
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/noise.hpp"
 
 namespace graticule {
 namespace {
@@ -41,6 +42,7 @@ void Check(const Detections& detections, const CalibrationState& state, const Co
   if (!(options.sigma_px > 0)) refuse("expected a sigma above zero");
   if (options.board == BoardShape::kFree && !(options.corner_sigma_m > 0))
     refuse("expected a sigma of free corners above zero");
+  if (options.camera_priors.size() > state.cameras.size()) refuse("more priors than cameras");
   if (state.camera_from_rig.size() != state.cameras.size())
     refuse("expected a place on the rig for every camera");
   if (!use.empty() && use.size() != detections.views.size())
@@ -96,6 +98,8 @@ class Sums {
     for (std::size_t e = 0; e < of_exposure.size(); ++e)
       if (state.rig_from_target[e]) AddExposure(of_exposure[e]);
     information_ /= options.sigma_px * options.sigma_px;
+    for (std::size_t c = 0; c < options.camera_priors.size(); ++c)
+      AddPrior(options.camera_priors[c].noise, c);
     for (const auto& [id, at] : places.corners)
       for (int i = 0; i < 3; ++i)
         information_(at + i, at + i) += 1 / (options.corner_sigma_m * options.corner_sigma_m);
@@ -105,6 +109,16 @@ class Sums {
   Eigen::VectorXd largest_;  ///< [px a unit], of the corners seen
 
  private:
+  void AddPrior(const Noise& noise, std::size_t camera) {
+    const int size = CameraModelOf(state_.cameras[camera].model).parameters;
+    CheckNoise(noise.View(), size);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> root =
+        Eigen::MatrixXd::Identity(size, size);
+    Whitener(noise.View(), size).Apply(root.data(), size, size, size);
+    information_.block(places_.cameras[camera], places_.cameras[camera], size, size) +=
+        root.transpose() * root;
+  }
+
   void AddExposure(const std::vector<std::size_t>& views) {
     pose_.setZero();
     by_others_.setZero(6, places_.size);

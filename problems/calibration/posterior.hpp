@@ -13,6 +13,7 @@ struct PosteriorOptions {
   double sigma_px = 0.1;  ///< of either coordinate of a corner
   BoardShape board = BoardShape::kFlat;
   double corner_sigma_m = 0;  ///< of a corner's place on the target; kFree only, above zero
+  std::vector<CameraPrior> camera_priors;  ///< as CalibrationOptions
   /// A direction is not constrained if its standard deviation would move the corners seen by more
   /// than this, were its parameters alone to change; in image diagonals.
   double loose = 0.1;
