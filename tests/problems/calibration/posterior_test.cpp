@@ -90,9 +90,16 @@ void ExpectTheGraphsMarginals(const Problem& problem, const PosteriorOptions& op
 TEST(Posterior, EqualsTheGraphsMarginalsForEveryLens) {
   for (const CameraIntrinsics& lens : testing::Lenses()) {
     SCOPED_TRACE(lens.model);
+    const Problem problem = OneCamera(lens);
+    if (lens.model == "brown8") {
+      // Its numerator and denominator cancel: k1 has a standard deviation of 200.
+      EXPECT_EQ(DescribeUnconstrained(ComputePosterior(problem.detections, problem.state, {}, {})),
+                "k1 of cam0 and k4 of cam0 are not constrained by these views");
+      continue;
+    }
     PosteriorOptions options;
-    options.loose = 100;  // some models have terms that these views hardly tell apart
-    ExpectTheGraphsMarginals(OneCamera(lens), options);
+    options.loose = 10;  // some models have terms that these views hardly tell apart
+    ExpectTheGraphsMarginals(problem, options);
   }
 }
 
