@@ -93,8 +93,9 @@ TEST(Posterior, EqualsTheGraphsMarginalsForEveryLens) {
     const Problem problem = OneCamera(lens);
     if (lens.model == "brown8") {
       // Its numerator and denominator cancel: k1 has a standard deviation of 200.
-      EXPECT_EQ(DescribeUnconstrained(ComputePosterior(problem.detections, problem.state, {}, {})),
-                "k1 of cam0 and k4 of cam0 are not constrained by these views");
+      EXPECT_EQ(
+          DescribeUnconstrained(ComputePosterior(problem.detections, problem.state, {}, {})),
+          "k1 of cam0, k2 of cam0, k4 of cam0 and k5 of cam0 are not constrained by these views");
       continue;
     }
     PosteriorOptions options;
