@@ -1,31 +1,15 @@
 #include "arguments.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <functional>
 #include <iostream>
 
+#include "arguments_parts.hpp"
 #include "commands.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/nearest.hpp"
 #include "graticule/solver/provenance.hpp"
 
 namespace graticule::apps {
-namespace {
-
-// A command with its words bound; `run` is set where it was chosen.
-using Chosen = std::function<int(const Console&)>;
-
-template <class Command>
-CLI::App* AddCommand(CLI::App* app, const char* name, const char* what, const char* examples,
-                     std::shared_ptr<Command> command, Chosen* chosen) {
-  CLI::App* sub = app->add_subcommand(name, what);
-  sub->footer(std::string("Examples:\n") + examples);
-  sub->callback([command, chosen] {
-    *chosen = [command](const Console& console) { return Run(*command, console); };
-  });
-  return sub;
-}
 
 void AddReading(CLI::App* sub, Reading* reading) {
   sub->add_option("--plugin", reading->plugins, "a plug-in's shared library; may be repeated")
@@ -42,6 +26,8 @@ void AddReading(CLI::App* sub, Reading* reading) {
                 "project information matrices that are not positive definite onto the nearest that "
                 "are, and say how many");
 }
+
+namespace {
 
 void AddChoosing(CLI::App* sub, Choosing* choosing) {
   sub->add_option("-c,--config", choosing->config,
@@ -354,6 +340,7 @@ int RunFromArguments(int argc, char** argv) {
   AddSolve(&app, &chosen);
   AddCompare(&app, &chosen);
   AddMap(&app, &chosen);
+  AddCalibrate(&app, &chosen);
   AddConvert(&app, &chosen);
   AddInspect(&app, &chosen);
   AddCheck(&app, &chosen);

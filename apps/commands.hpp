@@ -65,6 +65,25 @@ struct MapCommand {
   std::vector<std::string> starts;  ///< "x,y,yaw", one a log
 };
 
+struct CalibrateCommand {
+  std::vector<std::string> sources;  ///< images, folders, videos or recorded detections
+  Reading reading;
+  std::vector<std::string> outputs;  ///< "camera.yaml", "ros:camera_info.yaml"
+  std::string model = "auto", board = "auto";
+  double accuracy_px = 1, sigma_px = 0;
+  double range_m = 0;  ///< at which the error is expected; 0: at infinity
+  std::string record, report, pictures;
+  bool json = false;
+};
+
+struct CalibrateEvaluateCommand {
+  std::string camera;                ///< a camera file
+  std::vector<std::string> sources;  ///< what it is tested on
+  std::string against;               ///< "" or another camera file
+  std::string picture;               ///< of the difference: .svg or .png
+  bool json = false;
+};
+
 struct ConvertCommand {
   std::string input, output;
   Reading reading;
@@ -118,6 +137,8 @@ struct TypesCommand {
 int Run(const SolveCommand& command, const Console& console);
 int Run(const CompareCommand& command, const Console& console);
 int Run(const MapCommand& command, const Console& console);
+int Run(const CalibrateCommand& command, const Console& console);
+int Run(const CalibrateEvaluateCommand& command, const Console& console);
 int Run(const ConvertCommand& command, const Console& console);
 int Run(const InspectCommand& command, const Console& console);
 int Run(const CheckCommand& command, const Console& console);

@@ -90,6 +90,11 @@ void AddViewWithFreeCorners(const TargetView& view, const std::vector<std::uint8
 
 }  // namespace
 
+double CornerSigma(const Detections& detections, const CalibrationOptions& options) {
+  if (options.corner_sigma_m > 0) return options.corner_sigma_m;
+  return Spacing(PlacesAsDescribed(detections)) / 50;
+}
+
 Graph BuildCalibration(const Registry& types, const Detections& detections,
                        const CalibrationState& state, const CornerUse& use,
                        const CalibrationOptions& options, double sigma_px) {
@@ -114,8 +119,7 @@ Graph BuildCalibration(const Registry& types, const Detections& detections,
 
   if (is_free) {
     const std::map<int, Eigen::Vector3d> described = PlacesAsDescribed(detections);
-    const double sigma =
-        options.corner_sigma_m > 0 ? options.corner_sigma_m : Spacing(described) / 50;
+    const double sigma = CornerSigma(detections, options);
     std::set<int> seen;
     for (std::size_t v = 0; v < detections.views.size(); ++v) {
       const TargetView& view = detections.views[v];

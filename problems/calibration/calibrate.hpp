@@ -32,6 +32,9 @@ struct CalibrationOptions {
   SolveOptions solve;
 };
 
+/// The options' corner_sigma_m, or what it is where they leave it to the target.
+double CornerSigma(const Detections& detections, const CalibrationOptions& options);
+
 /// Which corners count: one number a corner of every view, 0 for one that was set aside.
 using CornerUse = std::vector<std::vector<std::uint8_t>>;
 

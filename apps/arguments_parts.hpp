@@ -1,0 +1,33 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "commands.hpp"
+
+namespace graticule::apps {
+
+/// A command with its words bound; `run` is set where it was chosen.
+using Chosen = std::function<int(const Console&)>;
+
+/// A subcommand that runs `command`; `examples` end its help.
+template <class Command>
+CLI::App* AddCommand(CLI::App* app, const char* name, const char* what, const char* examples,
+                     std::shared_ptr<Command> command, Chosen* chosen) {
+  CLI::App* sub = app->add_subcommand(name, what);
+  sub->footer(std::string("Examples:\n") + examples);
+  sub->callback([command, chosen] {
+    *chosen = [command](const Console& console) { return Run(*command, console); };
+  });
+  return sub;
+}
+
+/// The words that say how files are read.
+void AddReading(CLI::App* sub, Reading* reading);
+
+/// `graticule calibrate` and what is below it.
+void AddCalibrate(CLI::App* app, Chosen* chosen);
+
+}  // namespace graticule::apps
