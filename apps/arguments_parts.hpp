@@ -18,7 +18,8 @@ CLI::App* AddCommand(CLI::App* app, const char* name, const char* what, const ch
                      std::shared_ptr<Command> command, Chosen* chosen) {
   CLI::App* sub = app->add_subcommand(name, what);
   sub->footer(std::string("Examples:\n") + examples);
-  sub->callback([command, chosen] {
+  sub->callback([sub, command, chosen] {
+    if (!sub->get_subcommands().empty()) return;  // that one was meant
     *chosen = [command](const Console& console) { return Run(*command, console); };
   });
   return sub;

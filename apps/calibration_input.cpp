@@ -5,10 +5,14 @@
 #include <algorithm>
 
 #include "graticule/io/readable.hpp"
+#include "graticule/solver/error.hpp"
 
 namespace graticule::apps {
 
 Detections LoadDetections(const std::vector<std::string>& sources, const Console&) {
+  if (sources.empty())
+    throw Error("expected recorded detections, or images to look for a target in",
+                ErrorKind::kUsage);
   return ReadDetections(sources);
 }
 
