@@ -263,7 +263,8 @@ Posterior ComputePosterior(const Detections& detections, const CalibrationState&
   double diagonal = 0;
   for (const CameraIntrinsics& camera : state.cameras)
     diagonal = std::max(diagonal, std::hypot(camera.width, camera.height));
-  Eigen::VectorXd scales(places.size);
+  Eigen::VectorXd& scales = posterior.scales;
+  scales.resize(places.size);
   for (int i = 0; i < places.size; ++i)
     scales[i] = sums.largest_[i] > 0 ? diagonal / sums.largest_[i] : 1;
   for (const auto& [id, at] : places.corners)

@@ -35,6 +35,8 @@ struct Posterior {
   /// Its inverse.  Where directions are not constrained, they have standard deviations of one image
   /// diagonal at most, in the sense of PosteriorOptions::loose.
   Eigen::MatrixXd covariance;
+  /// What each number would have to change by, alone, to move a corner seen by an image diagonal.
+  Eigen::VectorXd scales;
   /// "k4 of cam0": what takes part in directions that these views do not constrain, in order.
   std::vector<std::string> unconstrained;
 

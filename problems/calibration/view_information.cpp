@@ -23,7 +23,7 @@ void ViewInformation::Start(const double* parameters, const Eigen::Isometry3d& c
   std::fill(sums_.begin(), sums_.end(), 0);
 }
 
-bool ViewInformation::Add(const Eigen::Vector3d& in_target, double weight) {
+bool ViewInformation::Add(const Eigen::Vector3d& in_target) {
   const Eigen::Vector3d turned = rig_from_target_.linear() * in_target;
   const Eigen::Vector3d in_rig = turned + rig_from_target_.translation();
   const Eigen::Vector3d in_camera = camera_from_rig_ * in_rig;
@@ -56,9 +56,8 @@ bool ViewInformation::Add(const Eigen::Vector3d& in_target, double weight) {
   }
   const double *u = rows_.data(), *v = u + size_;
   for (int i = 0; i < size_; ++i) {
-    const double weighted_u = weight * u[i], weighted_v = weight * v[i];
     double* out = &sums_[i * size_];
-    for (int j = 0; j <= i; ++j) out[j] += weighted_u * u[j] + weighted_v * v[j];
+    for (int j = 0; j <= i; ++j) out[j] += u[i] * u[j] + v[i] * v[j];
   }
   return true;
 }

@@ -31,9 +31,9 @@ class ViewInformation {
   void Start(const double* parameters, const Eigen::Isometry3d& camera_from_rig,
              const Eigen::Isometry3d& rig_from_target);
 
-  /// Adds a corner that counts `weight` times, at its place on the target [m].  False, and nothing
+  /// Adds a corner, at its place on the target [m].  False, and nothing
   /// added, where the model has no image of it.
-  bool Add(const Eigen::Vector3d& in_target, double weight = 1);
+  bool Add(const Eigen::Vector3d& in_target);
 
   /// The rows of J of the last corner, 2 x Size(), and d(pixel)/d(place on the target).
   Eigen::Map<const Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>> Rows() const {
