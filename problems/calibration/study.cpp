@@ -1,0 +1,237 @@
+#include "graticule/problems/calibration/study.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "graticule/factors/builtins.hpp"
+#include "graticule/problems/calibration/target_pose.hpp"
+#include "graticule/problems/chi_square.hpp"
+#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+constexpr double kNeverPx = 1e3;  // error of a camera that is not known at all
+
+CornerPairs PairsOf(const std::vector<DetectedCorner>& corners) {
+  CornerPairs pairs;
+  for (const DetectedCorner& corner : corners) {
+    pairs.in_target.emplace_back(corner.in_target.data());
+    pairs.pixels.emplace_back(corner.pixel[0], corner.pixel[1]);
+  }
+  return pairs;
+}
+
+// A person sees hollow quads on the screen, not a pose: the target goes where its image matches
+// them best, by the true camera.
+Se3Array Matched(const Suggestion& suggestion, const Camera& truth) {
+  constexpr double kAnyDistance = 1e6;  // px: no corner is an outlier
+  const auto pose = FindTargetPose(truth, PairsOf(suggestion.corners), kAnyDistance);
+  return pose ? PoseOf(pose->camera_from_target) : suggestion.camera_from_target;
+}
+
+Se3Array NextPose(const StudyOptions& options, const CalibrationSession& session,
+                  const Camera& truth, RandomNumbers& random) {
+  if (options.strategy == Strategy::kSuggestions) {
+    const auto suggestion = session.Suggest();
+    if (suggestion)
+      return HeldAt(Matched(*suggestion, truth), truth, options.target, options.hands, random);
+  }
+  return PoseByPerson(options.strategy == Strategy::kRosRules ? Person::kRosRules : Person::kNovice,
+                      session.FrameCount(), truth, options.target, random);
+}
+
+double Quantile(std::vector<double> values, double p) {
+  const auto at = values.begin() +
+                  static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+StudyFrame Measure(const CalibrationSession& session, const Camera& truth) {
+  StudyFrame frame;
+  frame.true_max_px = frame.max_ere_px = frame.raw_max_ere_px = kNeverPx;
+  frame.test = {kNeverPx, kNeverPx, kNeverPx};
+  if (!session.Solved()) return frame;
+  frame.is_bootstrapping = session.IsBootstrapping();
+  frame.is_met = session.AccuracyMet();
+  frame.max_ere_px = session.MaxEre().MaxPx();
+  const Camera found(session.Solved()->state.cameras[0]);
+  EreOptions options;
+  options.gauge = EreGauge::kRaw;
+  frame.raw_max_ere_px = EreGrid(found, options).MaxPx(session.Uncertainty()->OfCamera(0));
+  options.gauge = EreGauge::kRotationCompensated;
+  options.columns = 25;
+  options.rows = 19;
+  frame.true_max_px = std::min(kNeverPx, ModelDifference(truth, found, options).MaxPx());
+  return frame;
+}
+
+StudyTrial RunTrial(const StudyOptions& options, const Registry& types, const Camera& truth,
+                    const SimulatedDetections& test_set, std::size_t number) {
+  RandomNumbers random(options.seed, number);
+  CalibrationSession session(types, options.target,
+                             {options.lens.camera.name, truth.Width(), truth.Height()},
+                             options.session);
+  StudyTrial trial;
+  // Frames that show too little are not kept, and taken again.
+  for (std::size_t tries = 0; trial.frames.size() < options.frames && tries < 3 * options.frames;
+       ++tries) {
+    std::vector<DetectedCorner> corners =
+        VisibleCorners(truth, options.target, NextPose(options, session, truth, random),
+                       options.warp, options.session.suggest.detectability);
+    AddPixelNoise(options.sigma_px, random, &corners);
+    if (session.AddFrame(corners) == FrameVerdict::kTooFewCorners) continue;
+    trial.frames.push_back(Measure(session, truth));
+    const bool is_last = trial.frames.size() == options.frames;
+    if (session.Solved() && (options.test_every_frame || is_last))
+      trial.frames.back().test = TestOn(test_set, session.Solved()->state.cameras[0]);
+  }
+  if (session.Solved()) trial.camera = session.Solved()->state.cameras[0];
+  return trial;
+}
+
+}  // namespace
+
+const char* NameOf(Strategy strategy) {
+  switch (strategy) {
+    case Strategy::kSuggestions:
+      return "suggestions";
+    case Strategy::kRosRules:
+      return "ros_rules";
+    case Strategy::kNovice:
+      break;
+  }
+  return "novice";
+}
+
+std::vector<StudyTrial> RunStudy(const StudyOptions& options) {
+  if (options.trials < 1 || options.frames < 1)
+    throw Error("study: expected trials and frames", ErrorKind::kUsage);
+  const Camera truth(options.lens.camera);
+  const SimulatedDetections test_set = TestSet(options.lens.camera, options.target);
+  std::vector<StudyTrial> trials(static_cast<std::size_t>(options.trials));
+  ParallelFor(trials.size(), std::max<std::size_t>(1, options.threads),
+              [&](std::size_t, std::size_t i) {
+                trials[i] = RunTrial(options, Builtins(), truth, test_set, i);
+              });
+  return trials;
+}
+
+SimulatedDetections TestSet(const CameraIntrinsics& truth, const TargetLayout& target,
+                            std::size_t views, std::uint64_t seed) {
+  const Camera camera(truth);
+  RandomNumbers random(seed);
+  std::vector<Se3Array> poses;
+  while (poses.size() < views) {
+    Placement p;
+    p.across = random.Uniform(0.02, 0.98);
+    p.down = random.Uniform(0.02, 0.98);
+    p.size = random.Uniform(0.3, 0.9);
+    p.tilt_sideways = random.Uniform(-0.7, 0.7);
+    p.tilt_up = random.Uniform(-0.7, 0.7);
+    p.roll = random.Uniform(-0.5, 0.5);
+    const auto pose = PlaceTarget(camera, target, p);
+    if (pose && VisibleCorners(camera, target, *pose).size() >= 32) poses.push_back(*pose);
+  }
+  CalibrationSimulation simulation;
+  simulation.camera = truth;
+  simulation.target = target;
+  simulation.sigma_px = 0;
+  return SimulateDetections(simulation, poses);
+}
+
+TestError TestOn(const SimulatedDetections& test_set, const CameraIntrinsics& model) {
+  const Camera camera(model);
+  constexpr double kHuberPx = 1e6;  // the test is one of least squares
+  std::vector<double> distances;
+  for (const TargetView& view : test_set.detections.views) {
+    const CornerPairs pairs = PairsOf(view.corners);
+    const Eigen::Isometry3d start = IsometryOf(*test_set.truth.rig_from_target[view.exposure]);
+    const TargetPose pose = RefineTargetPose(camera, pairs, start, kHuberPx);
+    for (std::size_t i = 0; i < pairs.pixels.size(); ++i) {
+      const auto pixel = camera.Project(pose.camera_from_target * pairs.in_target[i]);
+      distances.push_back(pixel ? std::min(kNeverPx, (*pixel - pairs.pixels[i]).norm()) : kNeverPx);
+    }
+  }
+  TestError error;
+  error.mean_px = std::accumulate(distances.begin(), distances.end(), 0.) /
+                  static_cast<double>(distances.size());
+  error.p995_px = Quantile(distances, 0.995);
+  error.max_px = Quantile(distances, 1);
+  return error;
+}
+
+std::size_t FramesNeeded(const StudyTrial& trial, double below_px) {
+  std::size_t needed = trial.frames.size();
+  while (needed > 0 && trial.frames[needed - 1].true_max_px < below_px) --needed;
+  return needed == trial.frames.size() ? 0 : needed + 1;
+}
+
+double RankCorrelation(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() != b.size() || a.size() < 2)
+    throw Error("rank correlation: expected two or more pairs", ErrorKind::kUsage);
+  const auto ranks = [](const std::vector<double>& values) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t i, std::size_t j) { return values[i] < values[j]; });
+    std::vector<double> rank(values.size());
+    for (std::size_t i = 0; i < order.size();) {
+      std::size_t end = i;
+      while (end < order.size() && values[order[end]] == values[order[i]]) ++end;
+      for (std::size_t k = i; k < end; ++k) rank[order[k]] = static_cast<double>(i + end - 1) / 2;
+      i = end;
+    }
+    return rank;
+  };
+  const std::vector<double> x = ranks(a), y = ranks(b);
+  const double mean = static_cast<double>(a.size() - 1) / 2;
+  double xy = 0, xx = 0, yy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xy += (x[i] - mean) * (y[i] - mean);
+    xx += (x[i] - mean) * (x[i] - mean);
+    yy += (y[i] - mean) * (y[i] - mean);
+  }
+  return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
+}
+
+Coverage MeasureCoverage(const Registry& types, const CoverageOptions& options) {
+  const Eigen::Map<const Eigen::VectorXd> truth(
+      options.lens.camera.parameters.data(),
+      static_cast<Eigen::Index>(options.lens.camera.parameters.size()));
+  const double limit = ChiSquareQuantile(options.probability, static_cast<double>(truth.size()));
+  std::vector<double> squared(static_cast<std::size_t>(options.trials));
+  ParallelFor(
+      squared.size(), std::max<std::size_t>(1, options.threads), [&](std::size_t, std::size_t i) {
+        CalibrationSimulation simulation;
+        simulation.camera = options.lens.camera;
+        simulation.sigma_px = options.sigma_px;
+        simulation.seed = options.seed + 1000003 * i;
+        SimulatedDetections simulated =
+            SimulateDetections(simulation, Person::kRosRules, options.frames);
+        CalibrationState start = simulated.truth;
+        for (int k = 0; k < 2; ++k) start.cameras[0].parameters[k] *= 1.01;
+        const Calibration solved = RefineCalibration(types, simulated.detections, start, {});
+        PosteriorOptions asked;
+        asked.sigma_px = solved.sigma_px;
+        const Posterior posterior =
+            ComputePosterior(simulated.detections, solved.state, solved.use, asked);
+        const Eigen::Map<const Eigen::VectorXd> found(solved.state.cameras[0].parameters.data(),
+                                                      truth.size());
+        const Eigen::VectorXd error = found - truth;
+        squared[i] = error.dot(posterior.information * error);
+      });
+  Coverage coverage;
+  coverage.trials = options.trials;
+  for (const double value : squared) {
+    coverage.inside += value <= limit;
+    coverage.mean_squared +=
+        value / (static_cast<double>(truth.size()) * static_cast<double>(options.trials));
+  }
+  return coverage;
+}
+
+}  // namespace graticule
