@@ -39,12 +39,17 @@ bool Usable(double value, bool logarithmic) {
 // Whether an axis is logarithmic, and its ticks.
 Axis MakeAxis(const CurveChart& chart, AxisScale scale, bool is_x, int count) {
   Range all, positive;
+  const auto add = [&](double value) {
+    if (!Usable(value, false)) return;
+    all.Add(value);
+    if (Usable(value, true)) positive.Add(value);
+  };
   for (const Curve& curve : chart.curves)
-    for (const Curve::Point& point : curve.points) {
-      const double value = is_x ? point.x : point.y;
-      if (!Usable(value, false)) continue;
-      all.Add(value);
-      if (Usable(value, true)) positive.Add(value);
+    for (const Curve::Point& point : curve.points) add(is_x ? point.x : point.y);
+  for (const CurveBand& band : chart.bands)
+    for (const CurveBand::Point& point : band.points) {
+      add(is_x ? point.x : point.low);
+      add(is_x ? point.x : point.high);
     }
   if (all.Empty()) return plot::LinearAxis(0, 1, count);
   const bool wide = all.low > 0 && all.high > 100 * all.low;
@@ -148,6 +153,47 @@ void DrawCurve(const Curve& curve, std::size_t number, const Area& area, const A
                       ", " + ReadableNumber(point.y, 7));
 }
 
+void DrawBand(const CurveBand& band, const Area& area, const Axis& x_axis, const Axis& y_axis,
+              Svg* svg) {
+  std::vector<CurveBand::Point> points;
+  for (const CurveBand::Point& point : band.points)
+    if (Usable(point.x, x_axis.logarithmic) && Usable(point.high, y_axis.logarithmic) &&
+        Usable(point.low, y_axis.logarithmic))
+      points.push_back(point);
+  if (points.size() < 2) return;
+  PathData outline(1);
+  outline.MoveTo(area.X(x_axis, points[0].x), area.Y(y_axis, points[0].low));
+  for (const CurveBand::Point& point : points)
+    outline.LineTo(area.X(x_axis, point.x), area.Y(y_axis, point.high));
+  for (auto point = points.rbegin(); point != points.rend(); ++point)
+    outline.LineTo(area.X(x_axis, point->x), area.Y(y_axis, point->low));
+  outline.Close();
+  Attributes fill = plot::SeriesFill(band.curve);
+  fill.emplace_back("fill-opacity", "0.22");
+  svg->Path(outline, fill);
+}
+
+void DrawGuide(const ChartGuide& guide, const Area& area, const Axis& x_axis, const Axis& y_axis,
+               Svg* svg) {
+  const Axis& axis = guide.upright ? x_axis : y_axis;
+  if (!Usable(guide.at, axis.logarithmic)) return;
+  const double place = axis.Place(guide.at);
+  if (!(place >= 0 && place <= 1)) return;
+  Attributes stroke = plot::MarkStroke(1.2);
+  stroke.emplace_back("stroke-dasharray", "4 3");
+  if (guide.upright) {
+    const double x = area.X(x_axis, guide.at);
+    const bool left = x + plot::TextWidth(guide.label, 11) + 8 > area.right;
+    svg->Line(x, area.top, x, area.bottom, stroke);
+    svg->Text(x + (left ? -5 : 5), area.top + 14, guide.label,
+              plot::SoftInk(11, left ? "end" : ""));
+  } else {
+    const double y = area.Y(y_axis, guide.at);
+    svg->Line(area.left, y, area.right, y, stroke);
+    svg->Text(area.left + 6, y - 5, guide.label, plot::SoftInk(11));
+  }
+}
+
 double Clean(double seconds) { return std::isfinite(seconds) && seconds > 0 ? seconds : 0; }
 
 }  // namespace
@@ -168,10 +214,15 @@ std::string DrawCurves(const CurveChart& chart) {
   const Area area{left, title + legend, right, title + legend + chart.height - 90};
   const Axis x_axis = MakeAxis(chart, chart.x_scale, true, static_cast<int>((right - left) / 90));
 
-  Svg svg(chart.width, area.bottom + 48, chart.title);
+  Svg svg(chart.width, area.bottom + (chart.note.empty() ? 48 : 66), chart.title);
   DrawTitle(chart.title, chart.width, &svg);
   DrawLegend(names, true, left, right, title, &svg);
   DrawGrid(chart, area, x_axis, y_axis, &svg);
+  for (const CurveBand& band : chart.bands) DrawBand(band, area, x_axis, y_axis, &svg);
+  for (const ChartGuide& guide : chart.guides) DrawGuide(guide, area, x_axis, y_axis, &svg);
+  if (!chart.note.empty())
+    svg.Text(kMargin, area.bottom + 56, plot::Shorten(chart.note, chart.width - 2 * kMargin, 11.5),
+             plot::SoftInk(11.5));
   for (std::size_t i = 0; i < chart.curves.size(); ++i)
     DrawCurve(chart.curves[i], i, area, x_axis, y_axis, &svg);
   return svg.Finish();

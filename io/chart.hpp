@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,22 @@ struct Curve {
   };
   std::string name;
   std::vector<Point> points;
+};
+
+/// What lies around a curve: its uncertainty.
+struct CurveBand {
+  struct Point {
+    double x = 0, low = 0, high = 0;
+  };
+  std::size_t curve = 0;  ///< whose colour it has
+  std::vector<Point> points;
+};
+
+/// A dashed line across a chart, with a label; left out where it is outside of the axes.
+struct ChartGuide {
+  bool upright = true;
+  double at = 0;
+  std::string label;
 };
 
 enum class AxisScale {
@@ -27,6 +44,9 @@ struct CurveChart {
   AxisScale y_scale = AxisScale::kAutomatic;
   bool whole_x = false;  ///< x counts something: ticks at whole numbers only
   std::vector<Curve> curves;
+  std::vector<CurveBand> bands;
+  std::vector<ChartGuide> guides;
+  std::string note;                  ///< a line below
   double width = 760, height = 320;  ///< [px]
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graticule/io/base64.hpp"
 #include "graticule/io/plot_style.hpp"
 #include "graticule/io/readable.hpp"
 #include "graticule/io/svg.hpp"
@@ -12,22 +13,6 @@ namespace {
 
 constexpr double kWidth = 1200, kMargin = 16, kTop = 58, kRow = 20;
 constexpr std::size_t kNamed = 20;  // trajectories that the legend names
-
-// RFC 4648.
-std::string Base64(const std::string& bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      word = word << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += k <= count ? kDigits[word >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
 
 // From metres to pixels of the panel.
 struct View {
