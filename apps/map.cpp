@@ -16,6 +16,7 @@
 #include "graticule/problems/mapping/georeference.hpp"
 #include "graticule/problems/mapping/map_error.hpp"
 #include "graticule/problems/mapping/map_mission.hpp"
+#include "graticule/problems/mapping/transients.hpp"
 #include "graticule/solver/provenance.hpp"
 #include "mission_files.hpp"
 #include "output_folder.hpp"
@@ -226,6 +227,9 @@ int Run(const MapCommand& command, const Console& console) {
   WriteOccupancy(grid, folder.Of("map"));
   WriteGraph(mission, last, &folder);
   folder.Write("map.png", FormatOccupancyPng(grid));
+  const OccupancyGrid transients = TransientsOf(*map);
+  WriteOccupancy(transients, folder.Of("transients"));
+  folder.Write("transients.png", FormatOccupancyPng(transients));
   WriteTrajectories(mission, last, datum, &folder);
   if (datum) {
     const std::string world = FormatWorldFile(grid);

@@ -63,14 +63,19 @@ TEST_F(MapCommandTest, WritesTheMapAndAllThatGoesWithIt) {
   EXPECT_EQ(report["runs"][0]["method"], "incremental");
   EXPECT_EQ(report["runs"][0]["updates"].size(), 6u);
   EXPECT_EQ(report["runs"][0]["updates"].back()["nodes"], 12);
-  for (const char* name :
-       {"map.yaml", "map.pgm", "map.png", "map.pgw", "map.prj", "graph.fg", "graph.g2o",
-        "robot.tum", "drawing.svg", "drawing.png", "report.html", "report.json", "trajectories.kml",
-        "trajectories.geojson", "graphs/00006.fg"})
+  for (const char* name : {"map.yaml", "map.pgm", "map.png", "transients.yaml", "transients.pgm",
+                           "transients.png", "map.pgw", "map.prj", "graph.fg", "graph.g2o",
+                           "robot.tum", "drawing.svg", "drawing.png", "report.html", "report.json",
+                           "trajectories.kml", "trajectories.geojson", "graphs/00006.fg"})
     EXPECT_TRUE(std::filesystem::exists(Path("out") + "/" + name)) << name;
   EXPECT_EQ(CountLines(ReadWhole(Path("out/robot.tum"))), 12u);
   EXPECT_EQ(TagFault(ReadWhole(Path("out/drawing.svg"))), "");
   EXPECT_TRUE(IsSelfContained(ReadWhole(Path("out/report.html"))));
+  // On the same cells.
+  std::string yaml = ReadWhole(Path("out/transients.yaml"));
+  ASSERT_EQ(yaml.find("image: transients.pgm"), 0u);
+  EXPECT_EQ(yaml.replace(7, 10, "map"), ReadWhole(Path("out/map.yaml")));
+  EXPECT_EQ(ReadWhole(Path("out/transients.pgm")).size(), ReadWhole(Path("out/map.pgm")).size());
   // What it wrote is a problem again, and the last graph is the whole one.
   for (const char* graph : {"out/graph.fg", "out/graph.g2o", "out/graphs/00006.fg"}) {
     const Outcome solved = RunCommand({"solve", Path(graph), "--json", "--quiet"});
