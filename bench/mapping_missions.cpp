@@ -1,16 +1,19 @@
-// Simulated missions of the shapes of the thesis' sets, mapped by each method as their graphs grow,
-// and missions of growing length, area and team: rows of Markdown tables (docs/mapping.md).
+// Simulated missions of the shapes of the thesis' sets, mapped by each method as their graphs grow:
+// rows of a Markdown table (docs/mapping.md), and a page with the thesis' figures.
 //
-//   graticule_mapping_missions keswick-like | phase2-like [METHOD...]
-//   graticule_mapping_missions length | area | robots
+//   graticule_mapping_missions keswick-like|phase2-like [METHOD...] [PAGE.html]
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "graticule/factors/builtins.hpp"
+#include "graticule/io/file.hpp"
+#include "graticule/io/map_drawing.hpp"
 #include "graticule/io/map_report.hpp"
 #include "graticule/problems/mapping/map_error.hpp"
 #include "graticule/problems/mapping/map_mission.hpp"
@@ -30,11 +33,18 @@ std::vector<MissionStep> StepsOf(const Mission& mission) {
   return steps;
 }
 
-MapRun RunOf(const MappedMission& mapped) {
+MapRun RunOf(const std::string& method, const std::vector<MissionStep>& steps,
+             const MappedMission& mapped) {
   MapRun run;
-  for (const MapUpdate& update : mapped.updates) {
+  run.method = method;
+  for (std::size_t i = 0; i < mapped.updates.size(); ++i) {
+    const MapUpdate& update = mapped.updates[i];
     MapUpdateRow row;
+    row.time = steps[i].time - steps.front().time;
     row.seconds = update.seconds;
+    row.nodes = update.nodes;
+    row.cover = update.cover;
+    row.regenerated_nodes = update.regenerated_nodes;
     run.updates.push_back(row);
   }
   return run;
@@ -53,6 +63,17 @@ void PrintTransients(const SimulatedMission& simulated, const OccupancyGrid& map
              static_cast<double>(free) / static_cast<double>(free + structure));
 }
 
+// Of the last graph's nodes: what the map's agreement with the truth must be read beside.
+double PoseError(const SimulatedMission& simulated, const MissionStep& last) {
+  double sum = 0;
+  for (std::size_t i = 0; i < last.nodes; ++i) {
+    const PlanarPose& truth = simulated.world_from_robot[simulated.mission.nodes[i].scan];
+    const double x = last.world_from_robot[i].x - truth.x, y = last.world_from_robot[i].y - truth.y;
+    sum += x * x + y * y;
+  }
+  return std::sqrt(sum / static_cast<double>(last.nodes));
+}
+
 int Shape(const std::string& name, std::vector<std::string> methods) {
   const SimulatedMission simulated =
       SimulateMission(Builtins(), name == "keswick-like" ? KeswickLike() : Phase2Like());
@@ -67,6 +88,19 @@ int Shape(const std::string& name, std::vector<std::string> methods) {
   fmt::print(
       "| method | total | mean | 99 % | worst | structure IoU | known recall | closed | opened "
       "|\n");
+  std::string page;
+  if (!methods.empty() && methods.back().size() > 5 &&
+      methods.back().compare(methods.back().size() - 5, 5, ".html") == 0) {
+    page = methods.back();
+    methods.pop_back();
+  }
+  MapReport report;
+  report.title = name;
+  report.facts = {{"robots", std::to_string(mission.log.robots.size())},
+                  {"graphs", std::to_string(steps.size())},
+                  {"nodes", std::to_string(mission.nodes.size())}};
+  MapDrawing drawing;
+  drawing.title = name;
   if (methods.empty()) methods = {"naive", "naive-cover", "cover-composite", "incremental"};
   for (const std::string& method : methods) {
     LiveMapOptions options;
@@ -75,43 +109,25 @@ int Shape(const std::string& name, std::vector<std::string> methods) {
     const OccupancyGrid grid = mapped.map->Grid();
     const MapAgreement agreement = CompareMaps(all, grid);
     const GapReport gaps = FindGaps(all, Resample(grid, all), 1000);
-    const MapRunTimes times = TimesOf(RunOf(mapped));
+    MapRun run = RunOf(method, steps, mapped);
+    run.structure_iou = agreement.Iou(Occupancy::kStructure);
+    run.known_recall = agreement.KnownRecall();
+    const MapRunTimes times = TimesOf(run);
+    report.runs.push_back(std::move(run));
     fmt::print("| {} | {:.3f} s | {:.3f} ms | {:.3f} | {:.3f} | {:.4f} | {:.4f} | {} | {} |\n",
                method, times.total, 1e3 * times.mean, 1e3 * times.p99, 1e3 * times.worst,
                agreement.Iou(Occupancy::kStructure), agreement.KnownRecall(), gaps.closed.size(),
                gaps.opened.size());
+    std::fflush(stdout);
     if (method != methods.back()) continue;
+    drawing.grid = grid;
     PrintTransients(simulated, grid);
     const MapAgreement truth = CompareMaps(simulated.town.grid, grid);
-    fmt::print("truth: structure precision {:.4f}, free precision {:.4f}\n",
-               truth.Precision(Occupancy::kStructure), truth.Precision(Occupancy::kFree));
+    fmt::print("truth: structure precision {:.4f}, free precision {:.4f}; poses {:.3f} m rms off\n",
+               truth.Precision(Occupancy::kStructure), truth.Precision(Occupancy::kFree),
+               PoseError(simulated, steps.back()));
   }
-  return 0;
-}
-
-// The last quarter's updates: what one costs when so much has been seen.
-int Scale(const std::string& what) {
-  fmt::print("| {} | nodes | cover | mean of the last quarter [ms] | worst of it |\n", what);
-  for (const double factor : {1.0, 2.0, 4.0, 8.0}) {
-    MissionOptions options;
-    options.duration_s = what == "length" ? 450 * factor : 900;
-    options.robots = what == "robots" ? static_cast<int>(2 * factor) : 4;
-    if (what == "area") options.town.width_m = 60 * factor;
-    const SimulatedMission simulated = SimulateMission(Builtins(), options);
-    const std::vector<MissionStep> steps = StepsOf(simulated.mission);
-    const MappedMission mapped = MapMission(simulated.mission, steps, {});
-    MapRun last = RunOf(mapped);
-    last.updates.erase(last.updates.begin(),
-                       last.updates.begin() + static_cast<long>(last.updates.size() * 3 / 4));
-    const MapRunTimes times = TimesOf(last);
-    fmt::print("| {} | {} | {} | {:.3f} | {:.3f} |\n",
-               what == "length" ? fmt::format("{:.0f} s", options.duration_s)
-               : what == "robots"
-                   ? fmt::format("{}", options.robots)
-                   : fmt::format("{:.0f} m2", options.town.width_m * options.town.height_m),
-               mapped.updates.back().nodes, mapped.updates.back().cover, 1e3 * times.mean,
-               1e3 * times.worst);
-  }
+  if (!page.empty()) WriteFile(page, MapReportHtml(report, DrawMap(drawing)));
   return 0;
 }
 
@@ -123,13 +139,12 @@ int main(int argc, char** argv) {
   try {
     if (what == "keswick-like" || what == "phase2-like")
       return graticule::Shape(what, std::vector<std::string>(argv + 2, argv + argc));
-    if (what == "length" || what == "area" || what == "robots") return graticule::Scale(what);
   } catch (const graticule::Error& error) {
     fmt::print(stderr, "graticule_mapping_missions: {}\n", error.what());
     return 1;
   }
-  fmt::print(stderr,
-             "usage: graticule_mapping_missions keswick-like|phase2-like [METHOD...]\n"
-             "       graticule_mapping_missions length|area|robots\n");
+  fmt::print(
+      stderr,
+      "usage: graticule_mapping_missions keswick-like|phase2-like [METHOD...] [PAGE.html]\n");
   return 2;
 }

@@ -17,6 +17,7 @@ using plot::Axis;
 
 constexpr double kMargin = 12, kRowHeight = 20;
 constexpr std::size_t kMostMarkers = 60;  // a longer curve has none
+constexpr std::size_t kDense = 200;       // a longer curve is thin
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -141,9 +142,16 @@ void DrawCurve(const Curve& curve, std::size_t number, const Area& area, const A
     begun ? line.LineTo(x, y) : line.MoveTo(x, y);
     begun = true;
   }
-  Attributes stroke = plot::SeriesStroke(number, 2);
+  Attributes stroke = plot::SeriesStroke(number, curve.points.size() > kDense ? 1.2 : 2);
   stroke.emplace_back("stroke-linejoin", "round");
   svg->Path(line, stroke, curve.name);
+  if (Usable(curve.level, y_axis.logarithmic) && curve.level >= y_axis.low &&
+      curve.level <= y_axis.high) {
+    Attributes dashed = plot::SeriesStroke(number, 1.6);
+    dashed.emplace_back("stroke-dasharray", "7 4");
+    const double y = area.Y(y_axis, curve.level);
+    svg->Line(area.left, y, area.right, y, dashed);
+  }
   if (curve.points.size() > kMostMarkers) return;
   for (const Curve::Point& point : curve.points)
     if (Usable(point.x, x_axis.logarithmic) && Usable(point.y, y_axis.logarithmic))

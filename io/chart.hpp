@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct Curve {
   };
   std::string name;
   std::vector<Point> points;
+  /// Drawn across the chart, dashed, where it is finite: the curve's mean.
+  double level = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What lies around a curve: its uncertainty.

@@ -12,7 +12,9 @@ namespace graticule {
 namespace {
 
 constexpr double kWidth = 1200, kMargin = 16, kTop = 58, kRow = 20;
-constexpr std::size_t kNamed = 20;  // trajectories that the legend names
+constexpr double kTallest = 1600, kNarrowest = 560;  // of the panel, of the page
+constexpr double kEntryWidth = 190;                  // of the legend, at least
+constexpr std::size_t kNamed = 20;                   // trajectories that the legend names
 
 // From metres to pixels of the panel.
 struct View {
@@ -54,17 +56,18 @@ std::string DrawMap(const MapDrawing& drawing) {
   const OccupancyGrid& grid = drawing.grid;
   const double columns = static_cast<double>(std::max<std::size_t>(grid.width, 1));
   const double rows = static_cast<double>(std::max<std::size_t>(grid.height, 1));
-  const double panel_width = kWidth - 2 * kMargin;
-  const double pixel = std::min(panel_width / columns, 1600 / rows);
+  const double pixel = std::min((kWidth - 2 * kMargin) / columns, kTallest / rows);
   const double width = columns * pixel, height = rows * pixel;
+  const double page = std::max(width + 2 * kMargin, kNarrowest);
+  const double panel_width = page - 2 * kMargin;
   const std::size_t named = std::min(drawing.trajectories.size(), kNamed);
   const std::size_t entries = named + !drawing.closures.empty();
-  constexpr std::size_t kColumns = 6;
+  const auto across = static_cast<std::size_t>(panel_width / kEntryWidth);
   const double legend =
-      kRow * static_cast<double>((entries + kColumns - 1) / kColumns) + (entries ? 10 : 0);
+      kRow * static_cast<double>((entries + across - 1) / across) + (entries ? 10 : 0);
 
-  Svg svg(kWidth, kTop + height + 34 + legend + kMargin, drawing.title);
-  svg.Rect(0, 0, kWidth, kTop + height + 34 + legend + kMargin,
+  Svg svg(page, kTop + height + 34 + legend + kMargin, drawing.title);
+  svg.Rect(0, 0, page, kTop + height + 34 + legend + kMargin,
            {{"fill", "#ffffff"}, {"class", "paper"}});
   svg.Text(kMargin, 26, drawing.title, plot::Ink(17, {}, true));
   svg.Text(kMargin, 46, drawing.subtitle, plot::SoftInk(12));
@@ -86,12 +89,14 @@ std::string DrawMap(const MapDrawing& drawing) {
   plot::DrawScaleBar(view.scale, width, kMargin + 4, kTop + height + 18, &svg);
 
   const auto place = [&](std::size_t entry) {
-    const double x = kMargin + static_cast<double>(entry % kColumns) * panel_width / kColumns;
-    return std::pair(x, kTop + height + 44 + kRow * static_cast<double>(entry / kColumns));
+    const double x =
+        kMargin + static_cast<double>(entry % across) * panel_width / static_cast<double>(across);
+    return std::pair(x, kTop + height + 44 + kRow * static_cast<double>(entry / across));
   };
   const auto name = [&](std::size_t entry, const std::string& text) {
     const auto [x, y] = place(entry);
-    svg.Text(x + 26, y + 4, plot::Shorten(text, panel_width / kColumns - 34, 11), plot::Ink(11));
+    svg.Text(x + 26, y + 4, plot::Shorten(text, panel_width / static_cast<double>(across) - 34, 11),
+             plot::Ink(11));
   };
   for (std::size_t i = 0; i < named; ++i) {
     const auto [x, y] = place(i);

@@ -17,6 +17,12 @@ std::string BandName(std::size_t band) {
                             : "≥ " + ReadableSeconds(ends.back());
 }
 
+std::size_t BandOf(const MapUpdateRow& row) {
+  const std::vector<double> ends = MapBands();
+  return static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end(), row.seconds) -
+                                  ends.begin());
+}
+
 std::string MethodTable(const MapReport& report) {
   std::vector<html::Column> columns = {
       {"method", false}, {"total", true}, {"mean", true}, {"99 %", true}, {"worst", true}};
@@ -40,17 +46,28 @@ std::string MethodTable(const MapReport& report) {
   return html::Table(columns, rows);
 }
 
-std::string UpdateCharts(const MapReport& report) {
-  CurveChart each, cumulative, nodes;
-  each.title = "Time of each update";
+// Figure 2.5: what a method took in all, by how long its updates took.
+std::string BandChart(const MapReport& report) {
+  BarChart chart;
+  chart.title = "Time in all, by how long an update took";
+  for (std::size_t band = 0; band <= MapBands().size(); ++band)
+    chart.parts.push_back(BandName(band));
+  for (const MapRun& run : report.runs) chart.bars.push_back({run.method, SecondsInBands(run)});
+  return html::Figure(DrawBars(chart));
+}
+
+// Figures 2.5 to 2.7.
+std::string TimeCharts(const MapReport& report) {
+  CurveChart each, cumulative;
+  each.title = "Time of each update (dashed: mean)";
   cumulative.title = "Cumulative time";
-  nodes.title = "Nodes, cover, and nodes drawn anew";
-  for (CurveChart* chart : {&each, &cumulative, &nodes}) chart->x_label = "time of the log [s]";
-  each.y_label = cumulative.y_label = "time [s]";
-  nodes.y_label = "nodes";
-  nodes.y_scale = cumulative.y_scale = AxisScale::kLinear;
+  for (CurveChart* chart : {&each, &cumulative}) {
+    chart->x_label = "time of the log [s]";
+    chart->y_label = "time [s]";
+  }
+  cumulative.y_scale = AxisScale::kLinear;
   for (const MapRun& run : report.runs) {
-    Curve one{run.method, {}}, sum{run.method, {}};
+    Curve one{run.method, {}, TimesOf(run).mean}, sum{run.method, {}};
     double total = 0;
     for (const MapUpdateRow& row : run.updates) {
       total += row.seconds;
@@ -60,17 +77,52 @@ std::string UpdateCharts(const MapReport& report) {
     each.curves.push_back(std::move(one));
     cumulative.curves.push_back(std::move(sum));
   }
-  if (!report.runs.empty()) {
-    Curve all{"nodes", {}}, cover{"cover", {}}, anew{"drawn anew", {}};
-    for (const MapUpdateRow& row : report.runs.front().updates) {
-      all.points.push_back({row.time, static_cast<double>(row.nodes)});
-      cover.points.push_back({row.time, static_cast<double>(row.cover)});
-      anew.points.push_back({row.time, static_cast<double>(row.regenerated_nodes)});
+  return html::Figure(DrawCurves(each)) + html::Figure(DrawCurves(cumulative));
+}
+
+// Figure 2.8.  Methods that draw the same slices anew share a curve.
+std::string NodeChart(const MapReport& report) {
+  CurveChart chart;
+  chart.title = "Nodes, cover, and nodes drawn anew";
+  chart.x_label = "time of the log [s]";
+  chart.y_label = "nodes";
+  chart.y_scale = AxisScale::kLinear;
+  const auto curve = [](const MapRun& run, std::size_t MapUpdateRow::*what) {
+    Curve line;
+    for (const MapUpdateRow& row : run.updates)
+      line.points.push_back({row.time, static_cast<double>(row.*what)});
+    return line;
+  };
+  const auto by_cover = [](const MapRun& run) {
+    return run.updates.empty() ? 0 : run.updates.back().nodes - run.updates.back().cover;
+  };
+  const MapRun& covered = *std::max_element(
+      report.runs.begin(), report.runs.end(),
+      [&](const MapRun& a, const MapRun& b) { return by_cover(a) < by_cover(b); });
+  chart.curves = {curve(covered, &MapUpdateRow::nodes), curve(covered, &MapUpdateRow::cover)};
+  chart.curves[0].name = "nodes";
+  chart.curves[1].name = "cover";
+  std::vector<Curve> anew;
+  for (const MapRun& run : report.runs) {
+    Curve line = curve(run, &MapUpdateRow::regenerated_nodes);
+    if (std::none_of(line.points.begin(), line.points.end(),
+                     [](const Curve::Point& point) { return point.y > 0; }))
+      continue;
+    const auto same = std::find_if(anew.begin(), anew.end(), [&](const Curve& other) {
+      return std::equal(
+          line.points.begin(), line.points.end(), other.points.begin(), other.points.end(),
+          [](const Curve::Point& a, const Curve::Point& b) { return a.x == b.x && a.y == b.y; });
+    });
+    if (same != anew.end()) {
+      same->name += ", " + run.method;
+      continue;
     }
-    nodes.curves = {all, cover, anew};
+    line.name = "drawn anew: " + run.method;
+    anew.push_back(std::move(line));
   }
-  return html::Figure(DrawCurves(each)) + html::Figure(DrawCurves(cumulative)) +
-         html::Figure(DrawCurves(nodes));
+  if (anew.size() == 1) anew.front().name = "drawn anew";
+  chart.curves.insert(chart.curves.end(), anew.begin(), anew.end());
+  return html::Figure(DrawCurves(chart));
 }
 
 nlohmann::ordered_json Json(const MapRun& run) {
@@ -121,12 +173,15 @@ MapRunTimes TimesOf(const MapRun& run) {
 std::vector<double> MapBands() { return {0.5e-3, 1e-3, 5e-3, 20e-3, 100e-3, 1}; }
 
 std::vector<std::size_t> CountInBands(const MapRun& run) {
-  const std::vector<double> ends = MapBands();
-  std::vector<std::size_t> counts(ends.size() + 1, 0);
-  for (const MapUpdateRow& row : run.updates)
-    ++counts[static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end(), row.seconds) -
-                                      ends.begin())];
+  std::vector<std::size_t> counts(MapBands().size() + 1, 0);
+  for (const MapUpdateRow& row : run.updates) ++counts[BandOf(row)];
   return counts;
+}
+
+std::vector<double> SecondsInBands(const MapRun& run) {
+  std::vector<double> seconds(MapBands().size() + 1, 0);
+  for (const MapUpdateRow& row : run.updates) seconds[BandOf(row)] += row.seconds;
+  return seconds;
 }
 
 std::string MapReportHtml(const MapReport& report, const std::string& map_svg) {
@@ -135,7 +190,8 @@ std::string MapReportHtml(const MapReport& report, const std::string& map_svg) {
   std::string body =
       html::Table({{"", false}, {"", false}}, facts) + html::Section("Map", html::Figure(map_svg));
   if (!report.runs.empty())
-    body += html::Section("Updates", MethodTable(report) + UpdateCharts(report));
+    body += html::Section("Updates", MethodTable(report) + BandChart(report) + TimeCharts(report) +
+                                         NodeChart(report));
   if (!report.warnings.empty()) body += html::Section("Warnings", html::List(report.warnings));
   return html::Page(report.title, "<h1>" + EscapeXml(report.title) + "</h1>\n", body);
 }

@@ -40,10 +40,12 @@ MapRunTimes TimesOf(const MapRun& run);
 /// each, those above the last after them.
 std::vector<double> MapBands();
 std::vector<std::size_t> CountInBands(const MapRun& run);
+/// What the updates of each band took together, in seconds.
+std::vector<double> SecondsInBands(const MapRun& run);
 
-/// One self-contained page: the picture, the facts, time per update (Figures 2.6, 2.7), cumulative
-/// time (Figure 2.5), nodes, cover and regenerated nodes (Figure 2.8), and the methods side by
-/// side.
+/// One self-contained page: the picture, the facts, the methods side by side, their time by band
+/// and cumulative (Figure 2.5), time per update with its mean (Figures 2.6, 2.7), and nodes, cover
+/// and regenerated nodes (Figure 2.8).
 std::string MapReportHtml(const MapReport& report, const std::string& map_svg);
 
 /// For programs.

@@ -45,6 +45,14 @@ TEST(DrawMap, ShowsThePictureOfTheMap) {
   EXPECT_LT(shade(5, -9.9), 60);
 }
 
+TEST(DrawMap, LeavesNoMarginBesideATallMap) {
+  MapDrawing tall = Room();
+  std::swap(tall.grid.width, tall.grid.height);
+  tall.grid.cells.assign(tall.grid.cells.size(), Occupancy::kFree);
+  // 1600 pixels for 40 m, 800 for 20 m, and a margin of 16 on either side.
+  EXPECT_NE(DrawMap(tall).find("width=\"832\""), std::string::npos);
+}
+
 TEST(DrawMap, DrawsAnEmptyMap) { EXPECT_NE(DrawMap({}).find("</svg>"), std::string::npos); }
 
 }  // namespace
