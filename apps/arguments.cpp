@@ -168,6 +168,8 @@ void AddMap(CLI::App* app, Chosen* chosen) {
                   "robots are joined where they meet")
       ->type_name("X,Y,YAW")
       ->allow_extra_args(false);
+  sub->add_flag("--keep-poses", command->keep_poses,
+                "the logs' poses are corrected already: draw the map with them");
   sub->add_option("--relations", command->relations,
                   "true relations between poses at two times (Kuemmerle et al. 2009): t1 t2 x y z "
                   "roll pitch yaw");

@@ -61,6 +61,7 @@ struct MapCommand {
   double cover_news = -1;   ///< -1: the default of CoverOptions
   int slice = 0, bias = 0;  ///< slice 0: the default of LiveMapOptions
   bool no_cover = false, record = false, json = false, skip_bad = false;
+  bool keep_poses = false;  ///< of logs: somebody has corrected them
   std::string datum, truth, relations;
   std::vector<std::string> starts;  ///< "x,y,yaw", one a log
 };

@@ -12,6 +12,7 @@
 #include "graticule/io/file.hpp"
 #include "graticule/io/readable.hpp"
 #include "graticule/problems/mapping/front_end.hpp"
+#include "graticule/problems/mapping/placed_mission.hpp"
 #include "graticule/problems/mapping/relation_error.hpp"
 #include "graticule/solver/stopwatch.hpp"
 #include "problem.hpp"
@@ -51,6 +52,29 @@ RelationError ErrorOf(const LaserLog& log, const std::vector<PlanarPose>& world_
   for (std::size_t i = 0; i < log.scans.size(); ++i)
     poses.push_back({log.scans[i].time, world_from_scan[i]});
   return CompareWithRelations(std::move(poses), ParseRelations(ReadFile(relations), relations));
+}
+
+void AddRelations(const MapCommand& command, const LaserLog& log,
+                  const std::vector<PlanarPose>& world_from_scan, MapReport* report) {
+  if (command.relations.empty()) return;
+  const RelationError error = ErrorOf(log, world_from_scan, command.relations);
+  report->facts.emplace_back(
+      "relations",
+      fmt::format("{} ({} unmatched): {:.4f} ± {:.4f} m, {:.3f} ± {:.3f} degrees", error.relations,
+                  error.unmatched, error.translation_m.mean, error.translation_m.deviation,
+                  error.rotation_rad.mean * 180 / M_PI, error.rotation_rad.deviation * 180 / M_PI));
+}
+
+// The logs say where their robots were.
+Mission Placed(const MapCommand& command, const Registry& types, MapReport* report) {
+  if (!command.starts.empty())
+    throw Error("--keep-poses takes where robots begin from the logs: it goes with no --start",
+                ErrorKind::kUsage);
+  LaserLog log = ReadLogs(command, report);
+  std::vector<PlanarPose> poses;
+  for (const LaserScan& scan : log.scans) poses.push_back(scan.odom_from_robot);
+  AddRelations(command, log, poses, report);
+  return MissionAsPlaced(std::move(log), types);
 }
 
 PlanarPose ReadStart(const std::string& text) {
@@ -93,15 +117,7 @@ Mission FromLogs(const MapCommand& command, const Registry& types, MapReport* re
   if (pieces.size() > 1)
     report->warnings.push_back(fmt::format(
         "the robots never met: {} maps that lie on each other by chance", pieces.size()));
-  if (!command.relations.empty()) {
-    const RelationError error = ErrorOf(log, built.world_from_scan, command.relations);
-    report->facts.emplace_back(
-        "relations",
-        fmt::format("{} ({} unmatched): {:.4f} ± {:.4f} m, {:.3f} ± {:.3f} degrees",
-                    error.relations, error.unmatched, error.translation_m.mean,
-                    error.translation_m.deviation, error.rotation_rad.mean * 180 / M_PI,
-                    error.rotation_rad.deviation * 180 / M_PI));
-  }
+  AddRelations(command, log, built.world_from_scan, report);
   Mission mission{std::move(log), std::move(built.graph), {}};
   for (const FrontEndNode& node : built.nodes)
     mission.nodes.push_back({mission.graph.Find(node.key), node.scan});
@@ -123,11 +139,15 @@ Mission LoadMission(const MapCommand& command, const Registry& types, MapReport*
                 ErrorKind::kUsage);
   if (has_graph && !command.relations.empty())
     throw Error("--relations needs logs with times, not a .g2o file", ErrorKind::kUsage);
+  if (has_graph && command.keep_poses)
+    throw Error("--keep-poses is for logs; the poses of a .g2o file are its graph's",
+                ErrorKind::kUsage);
   report->title = std::filesystem::path(command.logs.front()).filename().string();
   if (command.logs.size() > 1)
     report->title += fmt::format(" and {} more", command.logs.size() - 1);
-  Mission mission =
-      has_graph ? FromG2o(command, types, console) : FromLogs(command, types, report, console);
+  Mission mission = has_graph            ? FromG2o(command, types, console)
+                    : command.keep_poses ? Placed(command, types, report)
+                                         : FromLogs(command, types, report, console);
   if (mission.nodes.empty())
     throw Error(command.logs.front() + ": there are no scans to make a map of", ErrorKind::kOther);
   report->facts.emplace_back("robots", std::to_string(mission.log.robots.size()));

@@ -16,7 +16,7 @@
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/chart.hpp"
 #include "graticule/io/file.hpp"
-#include "graticule/problems/mapping/live_map.hpp"
+#include "graticule/problems/mapping/map_mission.hpp"
 #include "graticule/problems/mapping/mission_replay.hpp"
 #include "graticule/problems/mapping/simulate.hpp"
 #include "graticule/solver/error.hpp"
@@ -33,6 +33,11 @@ struct Update {
   double time = 0;                                      // s, since the mission began
   double seconds = std::numeric_limits<double>::max();  // CPU
   std::size_t nodes = 0, cover = 0, taken = 0, drawn_anew = 0;
+};
+
+struct Replayed {
+  std::vector<Update> updates;
+  std::vector<double> naive_at, naive_seconds;  // all nodes drawn at once: when, CPU
 };
 
 void Replay(const Mission& mission, const std::vector<MissionStep>& steps,
@@ -61,15 +66,32 @@ void Replay(const Mission& mission, const std::vector<MissionStep>& steps,
   }
 }
 
-std::vector<Update> UpdatesOf(MissionOptions options, std::uint64_t seed) {
+// Of the last step of every `naive_every` seconds.
+void DrawAll(const Mission& mission, const std::vector<MissionStep>& steps, double naive_every,
+             Replayed* replayed) {
+  double next = naive_every;
+  for (const MissionStep& step : steps) {
+    const double time = step.time - steps.front().time;
+    if (time < next && &step != &steps.back()) continue;
+    next += naive_every;
+    const Stopwatch clock;
+    MapOfAllNodes(mission, step, {});
+    replayed->naive_at.push_back(time);
+    replayed->naive_seconds.push_back(clock.Elapsed().cpu);
+  }
+}
+
+Replayed ReplayedOf(MissionOptions options, std::uint64_t seed, double naive_every) {
   options.seed = options.town.seed = seed;
   const SimulatedMission simulated = SimulateMission(Builtins(), options);
   MissionReplay replay(simulated.mission, kGraphEvery);
   std::vector<MissionStep> steps;
   for (MissionStep step; replay.Next(&step);) steps.push_back(step);
-  std::vector<Update> updates(steps.size());
-  for (int i = 0; i < kReplays; ++i) Replay(simulated.mission, steps, &updates);
-  return updates;
+  Replayed replayed;
+  replayed.updates.resize(steps.size());
+  for (int i = 0; i < kReplays; ++i) Replay(simulated.mission, steps, &replayed.updates);
+  DrawAll(simulated.mission, steps, naive_every, &replayed);
+  return replayed;
 }
 
 // A point of the plots: updates of all seeds.
@@ -77,6 +99,7 @@ struct Row {
   double x = 0;
   std::string name;
   std::vector<Update> updates;
+  double naive = 0;  // s, the mean of the seeds
 };
 
 double Mean(const Row& row, double (*of)(const Update&)) {
@@ -99,9 +122,12 @@ MissionOptions Plain() {
   return options;
 }
 
-void AddBetween(const std::vector<Update>& updates, double from, double to, Row* row) {
-  for (const Update& update : updates)
+void AddBetween(const Replayed& replayed, double from, double to, Row* row) {
+  for (const Update& update : replayed.updates)
     if (update.time > from && update.time <= to) row->updates.push_back(update);
+  for (std::size_t i = 0; i < replayed.naive_at.size(); ++i)
+    if (replayed.naive_at[i] > from && replayed.naive_at[i] <= to)
+      row->naive += replayed.naive_seconds[i] / static_cast<double>(kSeeds);
 }
 
 // Twelve stretches of one long mission in a fixed area.
@@ -112,12 +138,12 @@ std::vector<Row> ByLength() {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     MissionOptions options = Plain();
     options.duration_s = kStretch * kStretches;
-    const std::vector<Update> updates = UpdatesOf(options, seed);
+    const Replayed replayed = ReplayedOf(options, seed, kStretch);
     for (int i = 0; i < kStretches; ++i) {
       Row& row = rows[static_cast<std::size_t>(i)];
       row.x = kStretch * (i + 1) / 60;
       row.name = fmt::format("{:.0f} to {:.0f} min", kStretch * i / 60, row.x);
-      AddBetween(updates, kStretch * i, kStretch * (i + 1), &row);
+      AddBetween(replayed, kStretch * i, kStretch * (i + 1), &row);
     }
   }
   return rows;
@@ -139,7 +165,8 @@ std::vector<Row> ByMission(bool by_area) {
       row.name = fmt::format("{}", options.robots);
     }
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
-      AddBetween(UpdatesOf(options, seed), options.duration_s / 2, options.duration_s, &row);
+      AddBetween(ReplayedOf(options, seed, options.duration_s), options.duration_s / 2,
+                 options.duration_s, &row);
     rows.push_back(std::move(row));
   }
   return rows;
@@ -148,7 +175,8 @@ std::vector<Row> ByMission(bool by_area) {
 int Main(const std::string& what, const std::string& plot) {
   const std::vector<Row> rows = what == "length" ? ByLength() : ByMission(what == "area");
   fmt::print(
-      "| {} | nodes | cover | new nodes, drawn anew: an update | mean [ms] | median | worst |\n",
+      "| {} | nodes | cover | new nodes, drawn anew: an update | mean [ms] | median | worst | all "
+      "nodes at once |\n",
       what);
   CurveChart chart;
   chart.title = what == "length"
@@ -159,22 +187,23 @@ int Main(const std::string& what, const std::string& plot) {
                   : what == "area" ? "area [m²]"
                                    : "robots";
   chart.y_label = "CPU time [ms]";
-  chart.y_scale = AxisScale::kLinear;
-  chart.curves = {{"mean", {}}, {"median", {}}};
+  chart.y_scale = AxisScale::kLogarithmic;
+  chart.curves = {{"mean", {}}, {"median", {}}, {"naive: all nodes at once", {}}};
   for (const Row& row : rows) {
     const double mean = 1e3 * Mean(row, [](const Update& u) { return u.seconds; });
     const double median = 1e3 * MedianSeconds(row);
     double worst = 0;
     for (const Update& update : row.updates) worst = std::max(worst, 1e3 * update.seconds);
     const auto count = [&](auto of) { return Mean(row, of); };
-    fmt::print("| {} | {:.0f} | {:.0f} | {:.1f}, {:.1f} | {:.2f} | {:.2f} | {:.1f} |\n", row.name,
-               count([](const Update& u) { return static_cast<double>(u.nodes); }),
+    fmt::print("| {} | {:.0f} | {:.0f} | {:.1f}, {:.1f} | {:.2f} | {:.2f} | {:.0f} | {:.0f} |\n",
+               row.name, count([](const Update& u) { return static_cast<double>(u.nodes); }),
                count([](const Update& u) { return static_cast<double>(u.cover); }),
                count([](const Update& u) { return static_cast<double>(u.taken); }),
                count([](const Update& u) { return static_cast<double>(u.drawn_anew); }), mean,
-               median, worst);
+               median, worst, 1e3 * row.naive);
     chart.curves[0].points.push_back({row.x, mean});
     chart.curves[1].points.push_back({row.x, median});
+    chart.curves[2].points.push_back({row.x, 1e3 * row.naive});
   }
   if (!plot.empty()) WriteFile(plot, DrawCurves(chart));
   return 0;

@@ -118,6 +118,37 @@ TEST_F(MapCommandTest, TheMethodsMakeTheSameMap) {
   EXPECT_EQ(maps[0], maps[1]);
 }
 
+// The same scans at the same poses, as a log and as a graph.
+TEST_F(MapCommandTest, KeepsThePosesOfALogWhereAsked) {
+  const std::string room = Room();
+  std::string log;
+  for (std::size_t at = 0, end; at < room.size(); at = end + 1) {
+    end = room.find('\n', at);
+    if (room.compare(at, 12, "ROBOTLASER1 ") == 0) log += room.substr(at, end + 1 - at);
+  }
+  const std::string of_graph = Path("graph"), of_log = Path("log");
+  ASSERT_EQ(RunCommand({"map", Write("room.g2o", room), "--no-cover", "-o", of_graph, "--quiet"})
+                .exit_code,
+            0);
+  const std::string clf = Write("room.clf", log);
+  const Outcome outcome =
+      RunCommand({"map", clf, "--keep-poses", "--no-cover", "-o", of_log, "--quiet"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  // But for beams that end on the border of two cells: poses have six digits here, nine there.
+  const std::string a = ReadWhole(of_log + "/map.pgm"), b = ReadWhole(of_graph + "/map.pgm");
+  ASSERT_EQ(a.size(), b.size());
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) differ += a[i] != b[i];
+  EXPECT_LT(differ, a.size() / 50);
+  EXPECT_EQ(CountLines(ReadWhole(of_log + "/robot1.tum")), 12u);
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{clf, "--start", "0,0,0"}, {Path("room.g2o")}}) {
+    std::vector<std::string> arguments = {"map", "--keep-poses", "-o", of_log, "--quiet"};
+    arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+    EXPECT_EQ(RunCommand(arguments).exit_code, 2);
+  }
+}
+
 TEST_F(MapCommandTest, SaysWhatIsWrongWithAMission) {
   const auto refused = [&](const std::string& text, int code) {
     const Outcome outcome =
