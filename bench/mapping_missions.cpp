@@ -1,6 +1,8 @@
 // Simulated missions of the shapes of the thesis' sets, mapped by each method as their graphs grow:
 // rows of a Markdown table (docs/mapping.md), and a page with the thesis' figures.
 //
+// Times are CPU time, adding nodes and poses included; one thread.
+//
 //   graticule_mapping_missions keswick-like|phase2-like [METHOD...] [PAGE.html]
 
 #include <fmt/core.h>
@@ -8,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -33,15 +36,16 @@ std::vector<MissionStep> StepsOf(const Mission& mission) {
   return steps;
 }
 
+// `cpu`: seconds of each update.
 MapRun RunOf(const std::string& method, const std::vector<MissionStep>& steps,
-             const MappedMission& mapped) {
+             const MappedMission& mapped, const std::vector<double>& cpu) {
   MapRun run;
   run.method = method;
   for (std::size_t i = 0; i < mapped.updates.size(); ++i) {
     const MapUpdate& update = mapped.updates[i];
     MapUpdateRow row;
     row.time = steps[i].time - steps.front().time;
-    row.seconds = update.seconds;
+    row.seconds = cpu[i];
     row.nodes = update.nodes;
     row.cover = update.cover;
     row.regenerated_nodes = update.regenerated_nodes;
@@ -105,11 +109,17 @@ int Shape(const std::string& name, std::vector<std::string> methods) {
   for (const std::string& method : methods) {
     LiveMapOptions options;
     options.method = MapMethodOf(method);
-    const MappedMission mapped = MapMission(mission, steps, options);
+    std::vector<double> cpu;
+    Stopwatch update;
+    const MappedMission mapped = MapMission(
+        mission, steps, options, std::numeric_limits<double>::infinity(), [&](std::size_t) {
+          cpu.push_back(update.Lap().cpu);
+          return true;
+        });
     const OccupancyGrid grid = mapped.map->Grid();
     const MapAgreement agreement = CompareMaps(all, grid);
     const GapReport gaps = FindGaps(all, Resample(grid, all), 1000);
-    MapRun run = RunOf(method, steps, mapped);
+    MapRun run = RunOf(method, steps, mapped, cpu);
     run.structure_iou = agreement.Iou(Occupancy::kStructure);
     run.known_recall = agreement.KnownRecall();
     const MapRunTimes times = TimesOf(run);
