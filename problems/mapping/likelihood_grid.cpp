@@ -67,21 +67,27 @@ void LikelihoodGrid::BuildPyramid() {
     Level& level = levels_[k];
     level.width = below.width / 2 + 1;
     level.height = below.height / 2 + 1;
-    level.cells.resize(static_cast<std::size_t>(level.width) *
-                       static_cast<std::size_t>(level.height));
+    const auto width = static_cast<std::size_t>(level.width);
+    const auto width_below = static_cast<std::size_t>(below.width);
+    level.cells.resize(width * static_cast<std::size_t>(level.height));
     const int reach = k == 1 ? 3 : 2, stride = k == 1 ? 1 : 2;
-    for (int y = 0; y < level.height; ++y)
-      for (int x = 0; x < level.width; ++x) {
-        std::uint8_t most = 0;
-        for (int j = 2 * y; j <= std::min(2 * y + reach, below.height - 1); j += stride)
-          for (int i = 2 * x; i <= std::min(2 * x + reach, below.width - 1); i += stride)
-            most = std::max(
-                most,
-                below.cells[static_cast<std::size_t>(j) * static_cast<std::size_t>(below.width) +
-                            static_cast<std::size_t>(i)]);
-        level.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) +
-                    static_cast<std::size_t>(x)] = most;
+    row_.assign(2 * width + 4, 0);  // of the rows below, with nothing beyond their end
+    for (int y = 0; y < level.height; ++y) {
+      std::uint8_t* const merged = row_.data();
+      std::fill_n(merged, width_below, std::uint8_t{0});
+      for (int j = 2 * y; j <= std::min(2 * y + reach, below.height - 1); j += stride) {
+        const std::uint8_t* from = below.cells.data() + static_cast<std::size_t>(j) * width_below;
+        for (std::size_t i = 0; i < width_below; ++i) merged[i] = std::max(merged[i], from[i]);
       }
+      std::uint8_t* to = level.cells.data() + static_cast<std::size_t>(y) * width;
+      const std::uint8_t* const row = merged;
+      if (k == 1)
+        for (std::size_t x = 0; x < width; ++x)
+          to[x] = std::max(std::max(row[2 * x], row[2 * x + 1]),
+                           std::max(row[2 * x + 2], row[2 * x + 3]));
+      else
+        for (std::size_t x = 0; x < width; ++x) to[x] = std::max(row[2 * x], row[2 * x + 2]);
+    }
   }
 }
 

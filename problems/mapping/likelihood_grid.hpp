@@ -52,6 +52,7 @@ class LikelihoodGrid {
   int radius_ = 0;
   std::vector<std::uint8_t> kernel_;
   Level levels_[kTopLevel + 1];
+  std::vector<std::uint8_t> row_;
 };
 
 }  // namespace graticule

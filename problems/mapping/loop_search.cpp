@@ -6,6 +6,7 @@
 #include <cmath>
 #include <thread>
 
+#include "graticule/problems/mapping/likely_turns.hpp"
 #include "graticule/problems/mapping/parallel_for.hpp"
 #include "graticule/problems/mapping/point_refine.hpp"
 #include "graticule/problems/mapping/pose_noise.hpp"
@@ -57,6 +58,10 @@ struct LoopSearch::Worker {
   CorrelativeMatcher matcher;
   PointIndex index;
   std::vector<SurfacePoint> reference, query;
+  // What reference, and the grids of these levels, are of: many are looked for in one.
+  std::uint32_t reference_of = UINT32_MAX;
+  bool is_built[3] = {};
+  bool is_indexed = false;
 };
 
 Eigen::Matrix3d MatchInformation(const TrackNode& node, const FrontEndOptions& options) {
@@ -204,9 +209,32 @@ std::vector<LoopSearch::Candidate> LoopSearch::Candidates(const std::vector<Plan
   return all;
 }
 
+// The best of the turns at which surfaces face the same ways.
+bool LoopSearch::SearchAllRound(const LikelihoodGrid& grid, const std::vector<SurfacePoint>& points,
+                                const Trial& trial, Worker* worker, Match* best) const {
+  bool is_found = false;
+  double least = trial.least_score;
+  for (const TurnRange& turns : LikelyTurns(worker->reference, worker->query)) {
+    SearchWindow window = trial.window;
+    window.guess.yaw = turns.centre;
+    window.reach_yaw = turns.half;
+    Match match;
+    if (!worker->matcher.Search(grid, points, window, least, &match)) continue;
+    *best = match;
+    least = match.score;
+    is_found = true;
+  }
+  return is_found;
+}
+
 bool LoopSearch::Try(const Trial& trial, const std::vector<PlanarPose>& poses, Worker* worker,
                      Closure* closure) const {
-  Stretch(trial.a, kReferenceReach, poses, &worker->reference);
+  if (worker->reference_of != trial.a) {
+    Stretch(trial.a, kReferenceReach, poses, &worker->reference);
+    worker->reference_of = trial.a;
+    std::fill(std::begin(worker->is_built), std::end(worker->is_built), false);
+    worker->is_indexed = false;
+  }
   Stretch(trial.b, kQueryReach, poses, &worker->query);
   SearchWindow window = trial.window;
   Match match;
@@ -215,16 +243,21 @@ bool LoopSearch::Try(const Trial& trial, const std::vector<PlanarPose>& poses, W
                                               : 0;
        level >= 0; --level) {
     LikelihoodGrid& grid = worker->grids[level];
-    grid.Build(worker->reference, 0, 0, options_.max_range);
-    if (!worker->matcher.Search(grid, Thinned(worker->query, kSearchPoints >> level), window,
-                                trial.least_score, &match))
-      return false;
+    if (!worker->is_built[level]) grid.Build(worker->reference, 0, 0, options_.max_range);
+    worker->is_built[level] = true;
+    const std::vector<SurfacePoint> points = Thinned(worker->query, kSearchPoints >> level);
+    const bool any_yaw = window.reach_yaw >= M_PI;
+    const bool is_found =
+        any_yaw ? SearchAllRound(grid, points, trial, worker, &match)
+                : worker->matcher.Search(grid, points, window, trial.least_score, &match);
+    if (!is_found) return false;
     window = SearchWindow();
     window.guess = match.reference_from_scan;
     window.reach = kAround * level;
     window.reach_yaw = kAroundYaw * level;
   }
-  worker->index.Build(worker->reference);
+  if (!worker->is_indexed) worker->index.Build(worker->reference);
+  worker->is_indexed = true;
   RefineOptions refine;
   refine.scale = 0.05;
   const Refinement refined = RefineOnPoints(
@@ -294,6 +327,9 @@ std::vector<Closure> LoopSearch::Meetings(const std::vector<PlanarPose>& poses) 
       trials[i] = trials[i * trials.size() / kMostMeetings];
     trials.resize(kMostMeetings);
   }
+  std::stable_sort(trials.begin(), trials.end(), [](const Trial& x, const Trial& y) {
+    return x.a < y.a;  // one reference for many
+  });
   // A stretch has many that are like it, and one that is most like it.
   std::map<std::pair<std::uint32_t, std::uint32_t>, Closure> best;  // by node b and piece of a
   for (const Closure& closure : TryAll(trials, poses)) {

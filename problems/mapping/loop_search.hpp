@@ -70,6 +70,8 @@ class LoopSearch {
   std::vector<UncertainEdge> PlaceEdges(const std::vector<Closure>& believed) const;
   std::vector<Closure> TryAll(const std::vector<Trial>& trials,
                               const std::vector<PlanarPose>& poses);
+  bool SearchAllRound(const LikelihoodGrid& grid, const std::vector<SurfacePoint>& points,
+                      const Trial& trial, Worker* worker, Match* best) const;
   bool Try(const Trial& trial, const std::vector<PlanarPose>& poses, Worker* worker,
            Closure* closure) const;
   /// Points of nodes whose way is no farther than `reach` from a node, in its frame.
