@@ -127,9 +127,8 @@ void Rasteriser::DrawFan(const Canvas& shared_canvas, const Beam* begin, std::in
     }
     canvas.DrawRun(place, x, beam.end_x);
   } else {
-    // Rows that all of them cross from edge to edge, and where no two neighbours are more than a
-    // cell apart at the far edge: there their runs are one run, from the lowest slope's to the
-    // highest's.
+    // Rows that all of them cross from edge to edge, and where no two neighbours' runs leave a cell
+    // between them: there their runs are one run, from the lowest slope's to the highest's.
     std::int32_t shared = begin->rows;
     std::int64_t apart = 0, spread = 0;
     const Beam *lowest = begin, *highest = begin;
@@ -140,12 +139,17 @@ void Rasteriser::DrawFan(const Canvas& shared_canvas, const Beam* begin, std::in
       if (beam->slope < lowest->slope) lowest = beam;
       if (beam->slope > highest->slope) highest = beam;
     }
+    const std::int64_t low_slope = lowest->slope, high_slope = highest->slope;
+    // A run is as long as its slope: beams that lean to one side may be that far apart, and a cell,
+    // where they enter a row.  They enter the first at one place, and leave it no farther apart
+    // than other rows take them.
     constexpr std::int64_t kCell = std::int64_t{1} << 32;
-    if (row < shared && (apart += row * spread) <= kCell) {
-      const std::int64_t low_slope = lowest->slope, high_slope = highest->slope;
+    const std::int64_t near = kCell + std::max({low_slope, -high_slope, std::int64_t{0}});
+    apart += (row - 1) * spread;
+    if (row < shared && apart <= near) {
       std::int64_t low = from(*lowest, row), next_low = lowest->first + row * low_slope;
       std::int64_t high = from(*highest, row), next_high = highest->first + row * high_slope;
-      for (; row < shared && apart <= kCell; ++row) {
+      for (; row < shared && apart <= near; ++row) {
         canvas.DrawRun(place, std::min(low, next_low), std::max(high, next_high));
         low = next_low;
         high = next_high;
