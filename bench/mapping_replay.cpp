@@ -85,6 +85,14 @@ Replay Run(const Mission& mission, const LiveMapOptions& options, double deadlin
   return replay;
 }
 
+// Of all labels: equal maps have equal ones.
+std::uint64_t Digest(const OccupancyGrid& grid) {
+  std::uint64_t digest = 14695981039346656037u;  // FNV-1a
+  for (const Occupancy cell : grid.cells)
+    digest = (digest ^ static_cast<std::uint64_t>(cell)) * 1099511628211u;
+  return digest;
+}
+
 // All nodes where the last graph has them.
 std::shared_ptr<const OccupancyMap> Reference(const Mission& mission, LiveMapOptions options) {
   options.method = MapMethod::kNaive;
@@ -105,17 +113,19 @@ void Print(const std::string& name, Replay replay, const OccupancyMap& reference
     ++bands[std::upper_bound(std::begin(kBands), std::end(kBands), s) - std::begin(kBands)];
   std::sort(replay.cpu.begin(), replay.cpu.end());
   const auto n = replay.cpu.size();
-  const MapAgreement agreement = CompareMaps(reference.Grid(), replay.map->Grid());
+  const OccupancyGrid grid = replay.map->Grid();
+  const MapAgreement agreement = CompareMaps(reference.Grid(), grid);
   fmt::print(
       "{:16} total {:8.4f} s, mean {:8.4f} ms, p99 {:8.3f}, worst {:8.3f} (wall {:8.3f}); graphs < "
       "0.5, 1, 5, 20 ms, above: {} {} {} {} {}; cover {}, drawn anew {}, dirty {}, flips {}\n"
       "{:16} against all nodes: structure IoU {:.4f}, free IoU {:.4f}, known recall {:.4f}, "
-      "other label {:.4f}\n",
+      "other label {:.4f}; digest {:016x}\n",
       name, total, 1e3 * total / static_cast<double>(n), 1e3 * replay.cpu[n * 99 / 100],
       1e3 * replay.cpu.back(), 1e3 * *std::max_element(replay.wall.begin(), replay.wall.end()),
       bands[0], bands[1], bands[2], bands[3], bands[4], replay.cover, replay.regenerated_nodes,
       replay.dirty, replay.flips, "", agreement.Iou(Occupancy::kStructure),
-      agreement.Iou(Occupancy::kFree), agreement.KnownRecall(), agreement.KnownChanged());
+      agreement.Iou(Occupancy::kFree), agreement.KnownRecall(), agreement.KnownChanged(),
+      Digest(grid));
   if (replay.left_over > 0)
     fmt::print("{:16} slices left over {}, in {} graphs; updates over the deadline {}\n", "",
                replay.left_over, replay.graphs_with_left_over, replay.over_deadline);

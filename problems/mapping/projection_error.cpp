@@ -16,15 +16,10 @@ double ProjectionError(const ScanPoints& points, const PlanarPose& world_from_th
     const double along = dx + c * x - s * y, across = dy + s * x + c * y;
     return along * along + across * across;
   };
-  // Two maxima: one would wait for itself.
-  double even = moved(points.laser_x, points.laser_y), odd = even;
-  std::size_t i = 0;
-  for (; i + 1 < points.Size(); i += 2) {
-    even = std::max(even, moved(points.x[i], points.y[i]));
-    odd = std::max(odd, moved(points.x[i + 1], points.y[i + 1]));
-  }
-  if (i < points.Size()) even = std::max(even, moved(points.x[i], points.y[i]));
-  return std::sqrt(std::max(even, odd));
+  double most = moved(points.laser_x, points.laser_y);
+  for (std::size_t i = 0; i < points.hull_x.size(); ++i)
+    most = std::max(most, moved(points.hull_x[i], points.hull_y[i]));
+  return std::sqrt(most);
 }
 
 bool ProjectionErrorExceeds(double limit, const ScanPoints& points,

@@ -5,7 +5,8 @@
 namespace graticule {
 
 /// How far the end of a scan's beam, or its laser, has moved between two poses at most, m: the
-/// projection error of Algorithm 2.1, line 10, on all that the scan has seen.
+/// projection error of Algorithm 2.1, line 10, on all that the scan has seen.  Found on its hull:
+/// how far a place is moved is a convex function of the place.
 double ProjectionError(const ScanPoints& points, const PlanarPose& world_from_then,
                        const PlanarPose& world_from_now);
 

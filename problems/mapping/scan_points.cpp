@@ -6,6 +6,45 @@
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
+namespace {
+
+struct Vector {
+  double x, y;
+};
+
+double Cross(const Vector& a, const Vector& b) { return a.x * b.y - a.y * b.x; }
+
+// Whether a place is in the triangle of two others and the origin.  Not of a triangle so slim that
+// rounding would decide.
+bool Encloses(const Vector& a, const Vector& b, const Vector& inner) {
+  constexpr double kLeastAngle = 1e-6;
+  const double area = Cross(a, b), turn = area > 0 ? 1 : -1;
+  if (area * area <= kLeastAngle * kLeastAngle * (a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y))
+    return false;
+  return turn * Cross(a, inner) >= 0 && turn * Cross(inner, b) >= 0 &&
+         turn * Cross({b.x - a.x, b.y - a.y}, {inner.x - a.x, inner.y - a.y}) >= 0;
+}
+
+// In one round: the ends are in the order of their angles.
+void FindHull(ScanPoints* points) {
+  std::vector<std::size_t> hull;
+  const auto seen = [points](std::size_t i) {
+    return Vector{points->x[i] - points->laser_x, points->y[i] - points->laser_y};
+  };
+  for (std::size_t i = 0; i < points->Size(); ++i) {
+    while (hull.size() > 1 && Encloses(seen(hull[hull.size() - 2]), seen(i), seen(hull.back())))
+      hull.pop_back();
+    hull.push_back(i);
+  }
+  points->hull_x.reserve(hull.size());
+  points->hull_y.reserve(hull.size());
+  for (const std::size_t i : hull) {
+    points->hull_x.push_back(points->x[i]);
+    points->hull_y.push_back(points->y[i]);
+  }
+}
+
+}  // namespace
 
 ScanPoints ScanReader::Read(const LaserGeometry& geometry, Span<const float> ranges) {
   const PlanarPose& laser = geometry.robot_from_laser;
@@ -46,6 +85,7 @@ ScanPoints ScanReader::Read(const LaserGeometry& geometry, Span<const float> ran
     reach2 = std::max(reach2, x * x + y * y);
   }
   points.reach = std::sqrt(reach2);
+  FindHull(&points);
   return points;
 }
 

@@ -14,7 +14,10 @@ struct ScanPoints {
   float laser_x = 0, laser_y = 0;  ///< m: where the beams begin
   std::vector<float> x, y;         ///< m: where they end, in the order of their angles
   std::vector<std::uint8_t> hit;   ///< whether something was there
-  double reach = 0;                ///< m, from the robot's origin to the farthest of these places
+  /// m: of the ends, those that the others and the laser enclose left out (but for some).  A turn
+  /// and shift moves no place farther than one of the hull, or the laser.
+  std::vector<float> hull_x, hull_y;
+  double reach = 0;  ///< m, from the robot's origin to the farthest of these places
 
   std::size_t Size() const { return x.size(); }
 };

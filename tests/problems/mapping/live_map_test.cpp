@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "../../solver/expect_error.hpp"
+#include "graticule/problems/mapping/projection_error.hpp"
 #include "room.hpp"
 
 namespace graticule {
@@ -108,6 +109,33 @@ TEST(LiveMap, RegeneratesExactlyWhenTheFarthestBeamMovesByMoreThanTheThreshold) 
   EXPECT_TRUE(regenerated({1, 2 - 0.11, 1.1 * turn}));
   // A full turn is none.
   EXPECT_FALSE(regenerated({1, 2, 2 * test::kPi}));
+}
+
+TEST(LiveMap, TheHullOfAScanMovesAsFarAsAllOfIt) {
+  test::Team team(8);
+  for (int round = 0; round < 400; ++round) {
+    LaserGeometry laser = Laser(round % 3 ? 180 : 361, round % 2 ? test::kPi : 2 * test::kPi);
+    if (round % 5 == 0) laser.step = -laser.step;
+    if (round % 7 == 0) laser.step *= round % 2 ? 0 : 3;  // one direction; several rounds
+    laser.robot_from_laser = {team.Uniform(-1, 1), team.Uniform(-1, 1), team.Uniform(-4, 4)};
+    const int beams = round % 3 ? 180 : 361;
+    const ScanPoints points = ScanReader({}).Read(laser, team.Ranges(laser, beams, team.Place()));
+    ASSERT_LE(points.hull_x.size(), points.Size());
+    EXPECT_TRUE(round % 7 == 0 || points.hull_x.size() < 60);
+    const PlanarPose then = team.Place();
+    const PlanarPose now = then * PlanarPose{team.Uniform(-0.1, 0.1), team.Uniform(-0.1, 0.1),
+                                             team.Uniform(-0.02, 0.02)};
+    double most = 0;
+    const auto include = [&](double x, double y) {
+      double from_x, from_y, to_x, to_y;
+      then.Transform(x, y, &from_x, &from_y);
+      now.Transform(x, y, &to_x, &to_y);
+      most = std::max(most, std::hypot(to_x - from_x, to_y - from_y));
+    };
+    include(points.laser_x, points.laser_y);
+    for (std::size_t i = 0; i < points.Size(); ++i) include(points.x[i], points.y[i]);
+    EXPECT_NEAR(ProjectionError(points, then, now), most, 1e-9);
+  }
 }
 
 TEST(LiveMap, DrawsASliceAnewAsOne) {
