@@ -9,6 +9,7 @@
 
 #include "graticule/problems/mapping/cover.hpp"
 #include "graticule/problems/mapping/dense_slice.hpp"
+#include "graticule/problems/mapping/map_extent.hpp"
 #include "graticule/problems/mapping/parallel_for.hpp"
 #include "graticule/problems/mapping/projection_error.hpp"
 #include "graticule/problems/mapping/rasteriser.hpp"
@@ -32,6 +33,7 @@ class LiveMap::Machine {
   explicit Machine(const LiveMapOptions& options)
       : options_(options),
         reader_(options.ranges),
+        extent_(options.resolution),
         grid_(options.votes),
         map_(std::make_shared<const OccupancyMap>(options.resolution)) {
     for (int i = 0; i < options.threads; ++i) rasterisers_.emplace_back(options.resolution);
@@ -48,9 +50,7 @@ class LiveMap::Machine {
     Place place;
     place.pose = pose;
     place.reach = node.points.reach;
-    Extent extent = extent_;
-    Include(static_cast<NodeId>(nodes_.size()), pose, place.reach, &extent);
-    extent_ = extent;
+    extent_.Include(nodes_.size(), pose, place.reach);
     nodes_.push_back(std::move(node));
     places_.push_back(place);
     return static_cast<NodeId>(nodes_.size() - 1);
@@ -60,9 +60,7 @@ class LiveMap::Machine {
     if (id >= nodes_.size())
       throw Error("expected a node below " + std::to_string(nodes_.size()) + ", found " +
                   std::to_string(id));
-    Extent extent = extent_;
-    Include(id, pose, places_[id].reach, &extent);
-    extent_ = extent;
+    extent_.Include(id, pose, places_[id].reach);
     Move(id, pose);
   }
 
@@ -70,8 +68,8 @@ class LiveMap::Machine {
     if (poses.size() != nodes_.size())
       throw Error("expected a pose for each of " + std::to_string(nodes_.size()) +
                   " nodes, found " + std::to_string(poses.size()));
-    Extent extent = extent_;
-    for (NodeId id = 0; id < poses.size(); ++id) Include(id, poses[id], places_[id].reach, &extent);
+    MapExtent extent = extent_;
+    for (NodeId id = 0; id < poses.size(); ++id) extent.Include(id, poses[id], places_[id].reach);
     extent_ = extent;
     for (NodeId id = 0; id < poses.size(); ++id) Move(id, poses[id]);
   }
@@ -158,33 +156,8 @@ class LiveMap::Machine {
     std::size_t open_slice = kNone;
   };
   using Clock = std::chrono::steady_clock;
-  // Of all that was or could be drawn, m.
-  struct Extent {
-    double left = 0, right = 0, bottom = 0, top = 0;
-    bool any = false;
-  };
 
   double Elapsed() const { return std::chrono::duration<double>(Clock::now() - started_).count(); }
-
-  void Include(NodeId id, const PlanarPose& pose, double reach, Extent* extent) const {
-    if (!std::isfinite(pose.x) || !std::isfinite(pose.y) || !std::isfinite(pose.yaw))
-      throw Error("the pose of node " + std::to_string(id) + " is not finite");
-    extent->left = extent->any ? std::min(extent->left, pose.x - reach) : pose.x - reach;
-    extent->right = extent->any ? std::max(extent->right, pose.x + reach) : pose.x + reach;
-    extent->bottom = extent->any ? std::min(extent->bottom, pose.y - reach) : pose.y - reach;
-    extent->top = extent->any ? std::max(extent->top, pose.y + reach) : pose.y + reach;
-    extent->any = true;
-    // A quarter of what a PageGrid holds: it grows by more than it has to.
-    const double page = options_.resolution * kTileSide * kPageSide;
-    const double pages =
-        ((extent->right - extent->left) / page + 2) * ((extent->top - extent->bottom) / page + 2);
-    const double cell = std::max({-extent->left, extent->right, -extent->bottom, extent->top}) /
-                        options_.resolution;
-    if (!(pages < static_cast<double>(OccupancyMap::Pages::kMaxPages) / 4) ||
-        !(cell < Rasteriser::kMaxCell))
-      throw Error("the pose of node " + std::to_string(id) + ", (" + Shown(pose.x) + ", " +
-                  Shown(pose.y) + "), is too far away: the map would have more cells than it can");
-  }
 
   void Move(NodeId id, const PlanarPose& pose) {
     Place& place = places_[id];
@@ -391,7 +364,7 @@ class LiveMap::Machine {
   std::vector<Slice> slices_;
   std::vector<std::size_t> watched_;  // slices whose nodes moved, or that wait
   std::vector<char> watched_flag_;    // of a slice: in watched_
-  Extent extent_;
+  MapExtent extent_;
   VoteGrid grid_;
   std::vector<Rasteriser> rasterisers_;  // a thread
   std::vector<ScanTile> candidate_;
