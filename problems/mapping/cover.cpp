@@ -4,11 +4,13 @@ namespace graticule {
 namespace {
 
 // The cells whose count is at least a number.
-CellBits AtLeast(int number, const CellBits* planes, int used) {
-  if (number >> used) return {};
+CellBits AtLeast(int number, const PageCounts& counts, int tile) {
+  if (number >> counts.Planes()) return {};
   CellBits at_least = ~CellBits();
-  for (int i = 0; i < used; ++i)
-    at_least = (number >> i) & 1 ? planes[i] & at_least : planes[i] | at_least;
+  for (int i = 0; i < counts.Planes(); ++i) {
+    const CellBits& plane = counts.At(i, tile);
+    at_least = (number >> i) & 1 ? plane & at_least : plane | at_least;
+  }
   return at_least;
 }
 
@@ -19,13 +21,12 @@ void CoverSight::Replace(const ScanTile& before, const ScanTile& after) {
   if (saw == sees) return;
   const TileIndex index = PageOf(after.index);
   if (!last_ || !(last_index_ == index)) {
-    std::unique_ptr<Page>& page = pages_.At(index);
-    if (!page) page = std::make_unique<Page>();
+    std::unique_ptr<PageCounts>& page = pages_.At(index);
+    if (!page) page = std::make_unique<PageCounts>();
     last_ = page.get();
     last_index_ = index;
   }
-  Tile& tile = last_->tiles[PlaceInPage(after.index)];
-  Count(sees & ~saw, saw & ~sees, tile.planes, &tile.used);
+  last_->Add(PlaceInPage(after.index), sees & ~saw, saw & ~sees);
 }
 
 bool CoverSight::Adds(const std::vector<ScanTile>& scan, const CoverOptions& options) const {
@@ -34,13 +35,12 @@ bool CoverSight::Adds(const std::vector<ScanTile>& scan, const CoverOptions& opt
     const CellBits sees = tile.passed | tile.hit;
     const int count = sees.Count();
     cells += count;
-    const std::unique_ptr<Page>* page = pages_.Find(PageOf(tile.index));
+    const std::unique_ptr<PageCounts>* page = pages_.Find(PageOf(tile.index));
     if (!page || !*page) {
       news += count;
       continue;
     }
-    const Tile& seen = (*page)->tiles[PlaceInPage(tile.index)];
-    const CellBits unseen = sees & ~AtLeast(options.views, seen.planes, seen.used);
+    const CellBits unseen = sees & ~AtLeast(options.views, **page, PlaceInPage(tile.index));
     if (unseen.Any()) news += unseen.Count();
   }
   return news > options.news * cells;

@@ -22,15 +22,8 @@ class CoverSight {
   bool Adds(const std::vector<ScanTile>& scan, const CoverOptions& options) const;
 
  private:
-  struct Tile {
-    CellBits planes[VoteTile::kPlanes];
-    std::uint8_t used = 0;
-  };
-  struct Page {
-    Tile tiles[kPageTiles];
-  };
-  PageGrid<std::unique_ptr<Page>> pages_;
-  Page* last_ = nullptr;  // the page that was written to last
+  PageGrid<std::unique_ptr<PageCounts>> pages_;
+  PageCounts* last_ = nullptr;  // the page that was written to last
   TileIndex last_index_;
 };
 

@@ -27,9 +27,9 @@ void DenseSlice::Draw(const std::vector<const std::vector<ScanTile>*>& drawings)
       const std::size_t at = (static_cast<std::size_t>(tile.index.y - low_.y) * width +
                               static_cast<std::size_t>(tile.index.x - low_.x)) *
                              planes;
-      std::uint8_t used = 0;
-      Count(tile.passed, {}, &passes_[at], &used);
-      Count(tile.hit, {}, &hits_[at], &used);
+      const auto i = [at](int plane) { return at + static_cast<std::size_t>(plane); };
+      Count(tile.passed, {}, [&](int plane) -> CellBits& { return passes_[i(plane)]; });
+      Count(tile.hit, {}, [&](int plane) -> CellBits& { return hits_[i(plane)]; });
     }
 }
 

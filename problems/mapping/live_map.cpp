@@ -22,7 +22,7 @@ namespace graticule {
 namespace {
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-constexpr std::size_t kMaxVotes = (std::size_t{1} << VoteTile::kPlanes) - 1;
+constexpr std::size_t kMaxVotes = (std::size_t{1} << kVotePlanes) - 1;
 // Below so many nodes a thread costs more than it brings (it takes some 30 us to begin and end).
 constexpr std::size_t kNodesWorthAThread = 24;
 

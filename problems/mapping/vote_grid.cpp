@@ -111,7 +111,7 @@ VoteGrid::Page& VoteGrid::PageAt(TileIndex index) {
   return *page;
 }
 
-VoteTile& VoteGrid::Dirty(TileIndex tile) {
+VoteGrid::Page& VoteGrid::Dirty(TileIndex tile) {
   const TileIndex index = PageOf(tile);
   if (!last_ || !(last_->index == index)) last_ = &PageAt(index);
   const std::uint64_t bit = std::uint64_t{1} << PlaceInPage(tile);
@@ -121,20 +121,20 @@ VoteTile& VoteGrid::Dirty(TileIndex tile) {
     ++dirty_tiles_;
   }
   last_->used |= bit;
-  return last_->tiles[PlaceInPage(tile)];
+  return *last_;
 }
 
 void VoteGrid::Replace(const ScanTile& before, const ScanTile& after) {
-  VoteTile& tile = Dirty(after.index);
-  Count(after.passed & ~before.passed, before.passed & ~after.passed, tile.passes,
-        &tile.pass_planes);
-  Count(after.hit & ~before.hit, before.hit & ~after.hit, tile.hits, &tile.hit_planes);
+  Page& page = Dirty(after.index);
+  const int place = PlaceInPage(after.index);
+  page.passes.Add(place, after.passed & ~before.passed, before.passed & ~after.passed);
+  page.hits.Add(place, after.hit & ~before.hit, before.hit & ~after.hit);
 }
 
 void VoteGrid::Add(TileIndex index, const CellBits* passes, const CellBits* hits, int planes) {
-  VoteTile& tile = Dirty(index);
-  CountAll(passes, planes, tile.passes, &tile.pass_planes);
-  CountAll(hits, planes, tile.hits, &tile.hit_planes);
+  Page& page = Dirty(index);
+  page.passes.Add(PlaceInPage(index), passes, planes);
+  page.hits.Add(PlaceInPage(index), hits, planes);
 }
 
 void VoteGrid::Clear() {
@@ -144,11 +144,8 @@ void VoteGrid::Clear() {
     dirty_tiles_ += static_cast<std::size_t>(__builtin_popcountll(page->used & ~page->dirty));
     page->dirty |= page->used;
     page->used = 0;
-    for (VoteTile& tile : page->tiles) {
-      std::fill_n(tile.hits, tile.hit_planes, CellBits());
-      std::fill_n(tile.passes, tile.pass_planes, CellBits());
-      tile.hit_planes = tile.pass_planes = 0;
-    }
+    page->hits.Clear();
+    page->passes.Clear();
   });
 }
 
@@ -164,7 +161,7 @@ std::shared_ptr<const OccupancyMap> VoteGrid::Publish(
       const int place = __builtin_ctzll(dirty);
       const TileIndex index = TileOfPage(page->index, place);
       const MapTile& old = before->TileAt(index);
-      const TileLabels labels = LabelTile(page->tiles[place], rule_);
+      const TileLabels labels = LabelTile(page->hits, page->passes, place, rule_);
       const bool relabelled = labels.structure != old.structure || labels.free != old.free;
       if (!relabelled && labels.removed == old.removed) continue;
       MapTile& tile = draft.Write(index);

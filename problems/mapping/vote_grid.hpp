@@ -50,13 +50,13 @@ class VoteGrid {
 
  private:
   struct Page {
-    VoteTile tiles[kPageTiles];
+    PageCounts hits, passes;
     std::uint64_t used = 0, dirty = 0;  // a bit a tile
     TileIndex index;
   };
 
   Page& PageAt(TileIndex page);
-  VoteTile& Dirty(TileIndex tile);
+  Page& Dirty(TileIndex tile);
 
   VoteRule rule_;
   PageGrid<std::unique_ptr<Page>> pages_;

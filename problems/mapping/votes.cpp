@@ -7,7 +7,7 @@ namespace graticule {
 namespace {
 
 // A weighted count plus a constant.
-constexpr unsigned kSumPlanes = VoteTile::kPlanes + 6;
+constexpr unsigned kSumPlanes = kVotePlanes + 6;
 
 struct Sum {
   CellBits planes[kSumPlanes];  // from `used` on: not set
@@ -34,21 +34,28 @@ void AddConstant(unsigned constant, Sum* sum) {
     if ((constant >> bit) & 1) AddShifted(&all, 1, bit, sum);
 }
 
-// Counts as the rule sees them: weighted, and no more than the saturation.
-void Weigh(const CellBits* counts, unsigned planes, unsigned weight, unsigned saturation,
-           Sum* sum) {
-  CellBits limited[VoteTile::kPlanes];
+// Counts as the rule sees them: weighted, and no more than the saturation.  Returns where they are
+// not zero.
+CellBits Weigh(const PageCounts& page, int tile, unsigned weight, unsigned saturation, Sum* sum) {
+  CellBits counts[kVotePlanes], any;
+  unsigned planes = 0;
+  for (int i = 0; i < page.Planes(); ++i) {
+    counts[i] = page.At(i, tile);
+    if (!counts[i].Any()) continue;
+    any = any | counts[i];
+    planes = static_cast<unsigned>(i) + 1;
+  }
   unsigned bits = 0;
   while (saturation >> bits) ++bits;
   if (saturation > 0 && planes > bits) {
     CellBits over;
     for (unsigned i = bits; i < planes; ++i) over = over | counts[i];
-    for (unsigned i = 0; i < bits; ++i) limited[i] = counts[i] | over;
-    counts = limited;
+    for (unsigned i = 0; i < bits; ++i) counts[i] = counts[i] | over;
     planes = bits;
   }
   for (unsigned shift = 0; weight >> shift; ++shift)
     if ((weight >> shift) & 1) AddShifted(counts, planes, shift, sum);
+  return any;
 }
 
 // Where a >= b + constant.
@@ -73,27 +80,31 @@ CellBits AtLeast(const Sum& a, const Sum& b, int constant) {
 
 }  // namespace
 
-void CountAll(const CellBits* plus, int plus_planes, CellBits* planes, std::uint8_t* used) {
+void PageCounts::Grow() { planes_[used_++] = std::make_unique<Plane>(); }
+
+void PageCounts::Add(int tile, const CellBits* plus, int count) {
   CellBits carry;
-  for (int i = 0; i < plus_planes || carry.Any(); ++i) {
-    const CellBits a = planes[i];
-    const CellBits b = i < plus_planes ? plus[i] : CellBits();
-    const CellBits half = a ^ b;
-    planes[i] = half ^ carry;
-    carry = (a & b) | (half & carry);
-    if (i >= *used) *used = static_cast<std::uint8_t>(i + 1);
+  for (int i = 0; i < count || carry.Any(); ++i) {
+    const CellBits b = i < count ? plus[i] : CellBits();
+    if (i >= used_ && !(b | carry).Any()) continue;
+    CellBits& bits = Writable(i, tile);
+    const CellBits half = bits ^ b, next = (bits & b) | (half & carry);
+    bits = half ^ carry;
+    carry = next;
   }
 }
 
-TileLabels LabelTile(const VoteTile& tile, const VoteRule& rule) {
+void PageCounts::Clear() {
+  for (int i = 0; i < used_; ++i) *planes_[i] = {};
+}
+
+TileLabels LabelTile(const PageCounts& hit_counts, const PageCounts& pass_counts, int tile,
+                     const VoteRule& rule) {
   Sum hits, passes;
-  Weigh(tile.hits, tile.hit_planes, static_cast<unsigned>(rule.hit_votes),
-        static_cast<unsigned>(rule.saturation), &hits);
-  Weigh(tile.passes, tile.pass_planes, static_cast<unsigned>(rule.pass_votes),
-        static_cast<unsigned>(rule.saturation), &passes);
-  CellBits was_hit, was_passed;
-  for (int i = 0; i < tile.hit_planes; ++i) was_hit = was_hit | tile.hits[i];
-  for (int i = 0; i < tile.pass_planes; ++i) was_passed = was_passed | tile.passes[i];
+  const CellBits was_hit = Weigh(hit_counts, tile, static_cast<unsigned>(rule.hit_votes),
+                                 static_cast<unsigned>(rule.saturation), &hits);
+  const CellBits was_passed = Weigh(pass_counts, tile, static_cast<unsigned>(rule.pass_votes),
+                                    static_cast<unsigned>(rule.saturation), &passes);
 
   TileLabels labels;
   const CellBits seen = was_hit | was_passed;

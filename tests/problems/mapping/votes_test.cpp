@@ -15,16 +15,18 @@ using testing::ExpectError;
 
 constexpr int kCells = kTileSide * kTileSide;
 
-unsigned CountOf(const CellBits* planes, int cell) {
+constexpr int kTile = 37;  // of the page
+
+unsigned CountOf(const PageCounts& counts, int cell) {
   unsigned count = 0;
-  for (int i = 0; i < VoteTile::kPlanes; ++i)
-    count |= unsigned{planes[i].Test(cell % 16, cell / 16)} << i;
+  for (int i = 0; i < counts.Planes(); ++i)
+    count |= unsigned{counts.At(i, kTile).Test(cell % 16, cell / 16)} << i;
   return count;
 }
 
 TEST(Votes, AreCountedCellByCell) {
   std::mt19937 random(1);
-  VoteTile tile;
+  PageCounts counts;
   std::vector<unsigned> hits(kCells, 0);
   for (int round = 0; round < 600; ++round) {
     CellBits plus, minus;
@@ -38,13 +40,17 @@ TEST(Votes, AreCountedCellByCell) {
         --hits[cell];
       }
     }
-    Count(plus, minus, tile.hits, &tile.hit_planes);
+    counts.Add(kTile, plus, minus);
   }
-  for (int cell = 0; cell < kCells; ++cell) EXPECT_EQ(CountOf(tile.hits, cell), hits[cell]);
+  for (int cell = 0; cell < kCells; ++cell) EXPECT_EQ(CountOf(counts, cell), hits[cell]);
+  for (int i = 0; i < counts.Planes(); ++i) EXPECT_FALSE(counts.At(i, kTile + 1).Any());
   // And counts onto counts.
-  VoteTile twice = tile;
-  CountAll(tile.hits, tile.hit_planes, twice.hits, &twice.hit_planes);
-  for (int cell = 0; cell < kCells; ++cell) EXPECT_EQ(CountOf(twice.hits, cell), 2 * hits[cell]);
+  std::vector<CellBits> again;
+  for (int i = 0; i < counts.Planes(); ++i) again.push_back(counts.At(i, kTile));
+  counts.Add(kTile, again.data(), static_cast<int>(again.size()));
+  for (int cell = 0; cell < kCells; ++cell) EXPECT_EQ(CountOf(counts, cell), 2 * hits[cell]);
+  counts.Clear();
+  for (int cell = 0; cell < kCells; ++cell) EXPECT_EQ(CountOf(counts, cell), 0u);
 }
 
 TEST(Votes, OfBitsAreTheirNumber) {
@@ -73,7 +79,7 @@ TEST(Votes, AreLabelledAsTheRuleSays) {
                             {4, 1, -1000, 1, 0, 0}};
   for (const VoteRule& rule : rules) {
     CheckVoteRule(rule);
-    VoteTile tile;
+    PageCounts hit_counts, pass_counts;
     std::vector<int> hits(kCells, 0), passes(kCells, 0);
     // Few votes in some cells, many in others.
     for (int round = 0; round < 40; ++round) {
@@ -83,10 +89,10 @@ TEST(Votes, AreLabelledAsTheRuleSays) {
         if (what == 0) hit.Set(cell % 16, cell / 16), ++hits[cell];
         if (what == 1 || what == 2) passed.Set(cell % 16, cell / 16), ++passes[cell];
       }
-      Count(hit, {}, tile.hits, &tile.hit_planes);
-      Count(passed, {}, tile.passes, &tile.pass_planes);
+      hit_counts.Add(kTile, hit, {});
+      pass_counts.Add(kTile, passed, {});
     }
-    const TileLabels labels = LabelTile(tile, rule);
+    const TileLabels labels = LabelTile(hit_counts, pass_counts, kTile, rule);
     for (int cell = 0; cell < kCells; ++cell) {
       const auto limited = [&rule](int count) {
         return rule.saturation > 0 ? std::min(count, rule.saturation) : count;
