@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "graticule/solver/error.hpp"
 
@@ -78,8 +77,8 @@ void Rasteriser::PlaceBeams(const ScanPoints& points, const PlanarPose& world_fr
     beam.rows = std::abs(end_row - start_row_);
     if (points.hit[i]) {
       const auto end_column = static_cast<std::int32_t>(beam.end_x >> 32);
-      hit_[static_cast<std::size_t>((end_column >> 6) * height_ + end_row)] |= std::uint64_t{1}
-                                                                               << (end_column & 63);
+      hit_[static_cast<std::size_t>(end_row * columns_ + (end_column >> 6))] |=
+          std::uint64_t{1} << (end_column & 63);
     }
   }
 }
@@ -88,21 +87,24 @@ void Rasteriser::PlaceBeams(const ScanPoints& points, const PlanarPose& world_fr
 // might change members and beams, which have words of 64 bits too.
 struct Rasteriser::Canvas {
   std::uint64_t* words;
-  std::ptrdiff_t height;  // of a column
+  std::ptrdiff_t columns;
 
-  void DrawRun(std::int32_t row, std::int64_t a, std::int64_t b) const {
-    const auto first = static_cast<std::int32_t>(std::min(a, b) >> 32);
-    const auto last = static_cast<std::int32_t>(std::max(a, b) >> 32);
-    std::uint64_t* word = words + (first >> 6) * height + row;
+  std::uint64_t* Row(std::int32_t row) const { return words + row * columns; }
+
+  // low <= high.
+  static void DrawRun(std::uint64_t* row, std::int64_t low, std::int64_t high) {
+    const auto first = static_cast<std::int32_t>(low >> 32);
+    const auto last = static_cast<std::int32_t>(high >> 32);
+    std::uint64_t* word = row + (first >> 6);
     const std::uint64_t right_of = ~std::uint64_t{0} << (first & 63);
-    const std::uint64_t left_of = ~std::uint64_t{0} >> (63 - (last & 63));
-    int columns = (last >> 6) - (first >> 6);
-    if (columns == 0) {
+    const std::uint64_t left_of = ~std::uint64_t{0} >> (~last & 63);
+    int columns_on = (last >> 6) - (first >> 6);
+    if (columns_on == 0) {
       *word |= right_of & left_of;
       return;
     }
-    *word |= right_of;
-    for (word += height; --columns > 0; word += height) *word = ~std::uint64_t{0};
+    *word++ |= right_of;
+    for (; --columns_on > 0; ++word) *word = ~std::uint64_t{0};
     *word |= left_of;
   }
 };
@@ -112,20 +114,29 @@ void Rasteriser::DrawFan(const Canvas& shared_canvas, const Beam* begin, std::in
   const Canvas canvas = shared_canvas;
   const std::int64_t start_x = start_x_;
   const std::int32_t step = begin->up ? 1 : -1;
-  std::int32_t place = start_row_ + step * row;
+  const std::ptrdiff_t next_row = step * canvas.columns;
+  std::uint64_t* place = canvas.Row(start_row_ + step * row);
   const auto from = [start_x](const Beam& beam, std::int32_t k) {
     return k == 0 ? start_x : beam.first + (k - 1) * beam.slope;
   };
   if constexpr (kCount == 1) {
     const Beam beam = *begin;
     std::int64_t x = from(beam, row), next = beam.first + row * beam.slope;
-    for (; row < beam.rows; ++row) {
-      canvas.DrawRun(place, x, next);
-      x = next;
-      next += beam.slope;
-      place += step;
-    }
-    canvas.DrawRun(place, x, beam.end_x);
+    if (beam.slope >= 0)
+      for (; row < beam.rows; ++row) {
+        Canvas::DrawRun(place, x, next);
+        x = next;
+        next += beam.slope;
+        place += next_row;
+      }
+    else
+      for (; row < beam.rows; ++row) {
+        Canvas::DrawRun(place, next, x);
+        x = next;
+        next += beam.slope;
+        place += next_row;
+      }
+    Canvas::DrawRun(place, std::min(x, beam.end_x), std::max(x, beam.end_x));
   } else {
     // Rows that all of them cross from edge to edge, and where no two neighbours' runs leave a cell
     // between them: there their runs are one run, from the lowest slope's to the highest's.
@@ -150,13 +161,13 @@ void Rasteriser::DrawFan(const Canvas& shared_canvas, const Beam* begin, std::in
       std::int64_t low = from(*lowest, row), next_low = lowest->first + row * low_slope;
       std::int64_t high = from(*highest, row), next_high = highest->first + row * high_slope;
       for (; row < shared && apart <= near; ++row) {
-        canvas.DrawRun(place, std::min(low, next_low), std::max(high, next_high));
+        Canvas::DrawRun(place, std::min(low, next_low), std::max(high, next_high));
         low = next_low;
         high = next_high;
         next_low += low_slope;
         next_high += high_slope;
         apart += spread;
-        place += step;
+        place += next_row;
       }
     }
     DrawFan<kCount / 2>(canvas, begin, row);
@@ -169,7 +180,7 @@ void Rasteriser::Draw(const ScanPoints& points, const PlanarPose& world_from_rob
   tiles->clear();
   if (points.Size() == 0) return;
   PlaceBeams(points, world_from_robot);
-  const Canvas canvas{passed_.data(), height_};
+  const Canvas canvas{passed_.data(), columns_};
   for (const Beam *beam = beams_.data(), *last = beam + beams_.size(); beam != last;) {
     std::ptrdiff_t fan = 1;
     while (fan < kFan && fan < last - beam && beam[fan].up == beam->up) ++fan;
@@ -185,18 +196,24 @@ void Rasteriser::Draw(const ScanPoints& points, const PlanarPose& world_from_rob
 }
 
 void Rasteriser::Collect(std::vector<ScanTile>* tiles) {
+  std::uint64_t passed[kTileSide], hit[kTileSide];
+  const auto width = static_cast<std::size_t>(columns_);
   for (std::int32_t row = 0; row < height_; row += kTileSide)
     for (std::int32_t column = 0; column < columns_; ++column) {
-      const auto at = static_cast<std::size_t>(column * height_ + row);
-      std::uint64_t *passed = passed_.data() + at, *hit = hit_.data() + at;
-      std::uint64_t any_passed = 0, any_hit = 0;
-      for (int r = 0; r < kTileSide; ++r) {
-        passed[r] &= ~hit[r];
-        any_passed |= passed[r];
-        any_hit |= hit[r];
+      const auto at = static_cast<std::size_t>(row * columns_ + column);
+      std::uint64_t *all_passed = passed_.data() + at, *all_hit = hit_.data() + at;
+      std::uint64_t any = 0, any_hit = 0;
+      for (std::size_t r = 0; r < kTileSide; ++r) {
+        any |= all_passed[r * width];
+        any_hit |= all_hit[r * width];
       }
-      const std::uint64_t any = any_passed | any_hit;
+      any |= any_hit;
       if (any == 0) continue;
+      for (std::size_t r = 0; r < kTileSide; ++r) {
+        hit[r] = all_hit[r * width];
+        passed[r] = all_passed[r * width] & ~hit[r];
+        all_passed[r * width] = all_hit[r * width] = 0;
+      }
       for (int quarter = 0; quarter < 4; ++quarter) {
         if (((any >> (16 * quarter)) & 0xffff) == 0) continue;
         tiles->emplace_back();
@@ -205,8 +222,6 @@ void Rasteriser::Collect(std::vector<ScanTile>* tiles) {
         tile.passed = Quarter(passed, quarter);
         if ((any_hit >> (16 * quarter)) & 0xffff) tile.hit = Quarter(hit, quarter);
       }
-      std::memset(passed, 0, kTileSide * sizeof(*passed));
-      if (any_hit) std::memset(hit, 0, kTileSide * sizeof(*hit));
     }
 }
 

@@ -67,7 +67,7 @@ class Rasteriser {
   void Collect(std::vector<ScanTile>* tiles);
 
   double cells_per_metre_;
-  // The window: columns of 64 cells, each `height_` words from the bottom; empty between calls.
+  // The window: rows of `columns_` words of 64 cells, from the bottom; empty between calls.
   std::int32_t left_ = 0, bottom_ = 0, columns_ = 0, height_ = 0;
   std::vector<std::uint64_t> passed_, hit_;
   std::int64_t start_x_ = 0;
