@@ -66,7 +66,8 @@ void Rasteriser::PlaceBeams(const ScanPoints& points, const PlanarPose& world_fr
   beams_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double dx = end_x_[i] - start_x, dy = end_y_[i] - start_y;
-    const double slope = std::clamp(dx / std::max(std::abs(dy), 1e-9), -kMaxSlope, kMaxSlope);
+    const double slope =
+        std::max(-kMaxSlope, std::min(kMaxSlope, dx / std::max(std::abs(dy), 1e-9)));
     const auto end_row = static_cast<std::int32_t>(end_y_[i] - bottom_);
     Beam& beam = beams_[i];
     beam.up = dy >= 0;
@@ -89,8 +90,6 @@ struct Rasteriser::Canvas {
   std::uint64_t* words;
   std::ptrdiff_t columns;
 
-  std::uint64_t* Row(std::int32_t row) const { return words + row * columns; }
-
   // low <= high.
   static void DrawRun(std::uint64_t* row, std::int64_t low, std::int64_t high) {
     const auto first = static_cast<std::int32_t>(low >> 32);
@@ -109,42 +108,21 @@ struct Rasteriser::Canvas {
   }
 };
 
-template <int kCount>
-void Rasteriser::DrawFan(const Canvas& shared_canvas, const Beam* begin, std::int32_t row) {
+void Rasteriser::DrawFan(const Canvas& shared_canvas, const Beam* begin, const Beam* end) const {
   const Canvas canvas = shared_canvas;
   const std::int64_t start_x = start_x_;
-  const std::int32_t step = begin->up ? 1 : -1;
-  const std::ptrdiff_t next_row = step * canvas.columns;
-  std::uint64_t* place = canvas.Row(start_row_ + step * row);
-  const auto from = [start_x](const Beam& beam, std::int32_t k) {
-    return k == 0 ? start_x : beam.first + (k - 1) * beam.slope;
-  };
-  if constexpr (kCount == 1) {
-    const Beam beam = *begin;
-    std::int64_t x = from(beam, row), next = beam.first + row * beam.slope;
-    if (beam.slope >= 0)
-      for (; row < beam.rows; ++row) {
-        Canvas::DrawRun(place, x, next);
-        x = next;
-        next += beam.slope;
-        place += next_row;
-      }
-    else
-      for (; row < beam.rows; ++row) {
-        Canvas::DrawRun(place, next, x);
-        x = next;
-        next += beam.slope;
-        place += next_row;
-      }
-    Canvas::DrawRun(place, std::min(x, beam.end_x), std::max(x, beam.end_x));
-  } else {
-    // Rows that all of them cross from edge to edge, and where no two neighbours' runs leave a cell
-    // between them: there their runs are one run, from the lowest slope's to the highest's.
-    std::int32_t shared = begin->rows;
+  const std::ptrdiff_t next_row = begin->up ? canvas.columns : -canvas.columns;
+  std::uint64_t* const start_row = canvas.words + start_row_ * canvas.columns;
+
+  // Rows that all of them cross from edge to edge, and where no two neighbours' runs leave a cell
+  // between them: there their runs are one run, from the lowest slope's to the highest's.
+  std::int32_t shared = 0;
+  if (end - begin > 1) {
+    std::int32_t crossed = begin->rows;
     std::int64_t apart = 0, spread = 0;
     const Beam *lowest = begin, *highest = begin;
-    for (const Beam* beam = begin + 1; beam < begin + kCount; ++beam) {
-      shared = std::min(shared, beam->rows);
+    for (const Beam* beam = begin + 1; beam < end; ++beam) {
+      crossed = std::min(crossed, beam->rows);
       apart = std::max(apart, std::abs(beam->first - beam[-1].first));
       spread = std::max(spread, std::abs(beam->slope - beam[-1].slope));
       if (beam->slope < lowest->slope) lowest = beam;
@@ -156,22 +134,40 @@ void Rasteriser::DrawFan(const Canvas& shared_canvas, const Beam* begin, std::in
     // than other rows take them.
     constexpr std::int64_t kCell = std::int64_t{1} << 32;
     const std::int64_t near = kCell + std::max({low_slope, -high_slope, std::int64_t{0}});
-    apart += (row - 1) * spread;
-    if (row < shared && apart <= near) {
-      std::int64_t low = from(*lowest, row), next_low = lowest->first + row * low_slope;
-      std::int64_t high = from(*highest, row), next_high = highest->first + row * high_slope;
-      for (; row < shared && apart <= near; ++row) {
-        Canvas::DrawRun(place, std::min(low, next_low), std::max(high, next_high));
-        low = next_low;
-        high = next_high;
-        next_low += low_slope;
-        next_high += high_slope;
-        apart += spread;
-        place += next_row;
-      }
+    apart -= spread;
+    std::int64_t low = start_x, next_low = lowest->first;
+    std::int64_t high = start_x, next_high = highest->first;
+    for (std::uint64_t* row = start_row; shared < crossed && apart <= near; ++shared) {
+      Canvas::DrawRun(row, std::min(low, next_low), std::max(high, next_high));
+      low = next_low;
+      high = next_high;
+      next_low += low_slope;
+      next_high += high_slope;
+      apart += spread;
+      row += next_row;
     }
-    DrawFan<kCount / 2>(canvas, begin, row);
-    DrawFan<kCount / 2>(canvas, begin + kCount / 2, row);
+  }
+
+  for (; begin < end; ++begin) {
+    const Beam beam = *begin;
+    std::uint64_t* row = start_row + shared * next_row;
+    std::int64_t x = shared == 0 ? start_x : beam.first + (shared - 1) * beam.slope;
+    std::int64_t next = beam.first + shared * beam.slope;
+    if (beam.slope >= 0)
+      for (std::int32_t k = shared; k < beam.rows; ++k) {
+        Canvas::DrawRun(row, x, next);
+        x = next;
+        next += beam.slope;
+        row += next_row;
+      }
+    else
+      for (std::int32_t k = shared; k < beam.rows; ++k) {
+        Canvas::DrawRun(row, next, x);
+        x = next;
+        next += beam.slope;
+        row += next_row;
+      }
+    Canvas::DrawRun(row, std::min(x, beam.end_x), std::max(x, beam.end_x));
   }
 }
 
@@ -182,15 +178,10 @@ void Rasteriser::Draw(const ScanPoints& points, const PlanarPose& world_from_rob
   PlaceBeams(points, world_from_robot);
   const Canvas canvas{passed_.data(), columns_};
   for (const Beam *beam = beams_.data(), *last = beam + beams_.size(); beam != last;) {
-    std::ptrdiff_t fan = 1;
-    while (fan < kFan && fan < last - beam && beam[fan].up == beam->up) ++fan;
-    if (fan == kFan) {
-      DrawFan<kFan>(canvas, beam, 0);
-    } else {
-      fan = 1;
-      DrawFan<1>(canvas, beam, 0);
-    }
-    beam += fan;
+    const Beam* end = beam + 1;
+    while (end < last && end - beam < kFan && end->up == beam->up) ++end;
+    DrawFan(canvas, beam, end);
+    beam = end;
   }
   Collect(tiles);
 }

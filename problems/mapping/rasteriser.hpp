@@ -62,8 +62,7 @@ class Rasteriser {
   };
   struct Canvas;
   void PlaceBeams(const ScanPoints& points, const PlanarPose& world_from_robot);
-  template <int kCount>
-  void DrawFan(const Canvas& canvas, const Beam* begin, std::int32_t row);
+  void DrawFan(const Canvas& canvas, const Beam* begin, const Beam* end) const;
   void Collect(std::vector<ScanTile>* tiles);
 
   double cells_per_metre_;
