@@ -224,7 +224,9 @@ class LiveMap::Machine {
       const std::size_t nodes = slices_[stale[end]].nodes.size();
       // A deadline that nothing fits in must not hold the map up for ever.
       const bool first = !progress_ && drawn == 0;
-      if (!first && !work_.Fits(Elapsed(), deadline_, drawn + nodes, reserved, grid_.DirtyTiles()))
+      const std::size_t left = (stale.size() - end) * options_.slice_size;
+      if (!first &&
+          !work_.Fits(Elapsed(), deadline_, drawn + nodes, reserved, left, grid_.DirtyTiles()))
         break;
       drawn += nodes;
     }

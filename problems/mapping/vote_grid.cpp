@@ -65,6 +65,21 @@ class Draft {
   OccupancyMap::Pages pages_;
 };
 
+// The tiles whose frontier may change as a tile's labels do: its own, and those beside an edge with
+// a cell that has become known, or unknown.
+void AppendAffected(TileIndex index, const MapTile& before, const TileLabels& after,
+                    std::vector<TileIndex>* affected) {
+  affected->push_back(index);
+  const CellBits changed = (before.structure | before.free) ^ (after.structure | after.free);
+  if (!changed.Any()) return;
+  const std::uint64_t any =
+      changed.words[0] | changed.words[1] | changed.words[2] | changed.words[3];
+  if (any & kColumn0) affected->push_back({index.x - 1, index.y});
+  if (any & kColumn15) affected->push_back({index.x + 1, index.y});
+  if (changed.words[0] & 0xffff) affected->push_back({index.x, index.y - 1});
+  if (changed.words[3] >> 48) affected->push_back({index.x, index.y + 1});
+}
+
 CellIndex CellOf(TileIndex tile, int column, int row) {
   return {kTileSide * tile.x + column, kTileSide * tile.y + row};
 }
@@ -156,6 +171,7 @@ std::shared_ptr<const OccupancyMap> VoteGrid::Publish(
   if (dirty_tiles_ == 0) return before;
   Draft draft(*before);
   bool any = false;
+  std::vector<TileIndex> affected;
   for (Page* page : dirty_pages_) {
     for (std::uint64_t dirty = page->dirty; dirty; dirty &= dirty - 1) {
       const int place = __builtin_ctzll(dirty);
@@ -164,14 +180,16 @@ std::shared_ptr<const OccupancyMap> VoteGrid::Publish(
       const TileLabels labels = LabelTile(page->hits, page->passes, place, rule_);
       const bool relabelled = labels.structure != old.structure || labels.free != old.free;
       if (!relabelled && labels.removed == old.removed) continue;
+      if (relabelled) {
+        change->changed_tiles.push_back(index);
+        AppendFlips(index, old, labels, &change->flips);
+        AppendAffected(index, old, labels, &affected);
+      }
       MapTile& tile = draft.Write(index);
       tile.structure = labels.structure;
       tile.free = labels.free;
       tile.removed = labels.removed;
       any = true;
-      if (!relabelled) continue;
-      change->changed_tiles.push_back(index);
-      AppendFlips(index, old, labels, &change->flips);
     }
     page->dirty = 0;
   }
@@ -179,14 +197,6 @@ std::shared_ptr<const OccupancyMap> VoteGrid::Publish(
   dirty_tiles_ = 0;
   if (!any) return before;
 
-  // Whether a cell is at the frontier depends on the cells beside it too.
-  std::vector<TileIndex> affected;
-  affected.reserve(5 * change->changed_tiles.size());
-  for (const TileIndex tile : change->changed_tiles)
-    for (const TileIndex beside :
-         {tile, TileIndex{tile.x - 1, tile.y}, TileIndex{tile.x + 1, tile.y},
-          TileIndex{tile.x, tile.y - 1}, TileIndex{tile.x, tile.y + 1}})
-      affected.push_back(beside);
   std::sort(affected.begin(), affected.end());
   affected.erase(std::unique(affected.begin(), affected.end()), affected.end());
   for (const TileIndex tile : affected) UpdateFrontier(tile, &draft, change);

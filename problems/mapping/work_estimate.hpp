@@ -23,21 +23,23 @@ class WorkEstimate {
     if (dirty_tiles >= 64) Learn(seconds / static_cast<double>(dirty_tiles), &publish_);
   }
 
-  /// Whether `draw` nodes can be drawn anew, then `take` new ones taken in, and all published.
-  bool Fits(double elapsed, double deadline, std::size_t draw, std::size_t take,
+  /// Whether `draw` nodes can be drawn anew, then `take` new ones taken in, `name` nodes that are
+  /// left over named, and all published.
+  bool Fits(double elapsed, double deadline, std::size_t draw, std::size_t take, std::size_t name,
             std::size_t dirty_tiles) const {
     const auto drawn = static_cast<double>(draw), taken = static_cast<double>(take);
-    const double left = drawn * draw_ + taken * take_ +
+    const double left = drawn * draw_ + taken * take_ + static_cast<double>(name) * kName +
                         publish_ * (static_cast<double>(dirty_tiles) + (drawn + taken) * dirty_);
     return elapsed + kCaution * (left + kFixed) <= kUsable * deadline;
   }
   bool FitsNew(double elapsed, double deadline, std::size_t dirty_tiles) const {
-    return Fits(elapsed, deadline, 0, 1, dirty_tiles);
+    return Fits(elapsed, deadline, 0, 1, 0, dirty_tiles);
   }
 
  private:
   static constexpr double kCaution = 1.5;
   static constexpr double kUsable = 0.9;
+  static constexpr double kName = 0.1e-6;  // s a node
   static constexpr double kFixed = 50e-6;  // s: to copy the directory of pages and the report
   // Follows what is slower quickly, and what is quicker slowly; but one step that was interrupted
   // says little about the next.
