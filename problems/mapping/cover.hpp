@@ -18,6 +18,11 @@ class CoverSight {
  public:
   /// What a node of the cover says of a tile, and what it says instead now.
   void Replace(const ScanTile& before, const ScanTile& after);
+  /// See PageCounts.
+  void Expect(TileIndex tile) const {
+    const std::unique_ptr<PageCounts>* page = pages_.Find(PageOf(tile));
+    if (page && *page) (*page)->Expect(PlaceInPage(tile));
+  }
   /// coverTest: whether a scan adds to what is seen.
   bool Adds(const std::vector<ScanTile>& scan, const CoverOptions& options) const;
 

@@ -256,6 +256,7 @@ class LiveMap::Machine {
     fresh_.resize(std::max(fresh_.size(), batch_.size()));
     const std::size_t threads =
         std::clamp<std::size_t>(batch_.size() / kNodesWorthAThread, 1, rasterisers_.size());
+    for (const NodeId id : batch_) Expect(nodes_[id]);
     ParallelFor(batch_.size(), threads, [this](std::size_t worker, std::size_t i) {
       rasterisers_[worker].Draw(nodes_[batch_[i]].points, places_[batch_[i]].pose, &fresh_[i]);
     });
@@ -332,6 +333,15 @@ class LiveMap::Machine {
       ForEachDifference(node.drawing, candidate_,
                         [&sight](const ScanTile& a, const ScanTile& b) { sight.Replace(a, b); });
       node.drawing.swap(candidate_);
+    }
+  }
+
+  // What is drawn of a node will be replaced.
+  void Expect(const Node& node) {
+    const CoverSight* sight = options_.cover.on ? &SightOf(node.robot) : nullptr;
+    for (const ScanTile& tile : node.drawing) {
+      grid_.Expect(tile.index);
+      if (sight) sight->Expect(tile.index);
     }
   }
 

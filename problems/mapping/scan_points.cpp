@@ -19,28 +19,30 @@ double Cross(const Vector& a, const Vector& b) { return a.x * b.y - a.y * b.x; }
 bool Encloses(const Vector& a, const Vector& b, const Vector& inner) {
   constexpr double kLeastAngle = 1e-6;
   const double area = Cross(a, b), turn = area > 0 ? 1 : -1;
-  if (area * area <= kLeastAngle * kLeastAngle * (a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y))
-    return false;
-  return turn * Cross(a, inner) >= 0 && turn * Cross(inner, b) >= 0 &&
-         turn * Cross({b.x - a.x, b.y - a.y}, {inner.x - a.x, inner.y - a.y}) >= 0;
+  return turn * Cross({b.x - a.x, b.y - a.y}, {inner.x - a.x, inner.y - a.y}) >= 0 &&
+         turn * Cross(a, inner) >= 0 && turn * Cross(inner, b) >= 0 &&
+         area * area >
+             kLeastAngle * kLeastAngle * (a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y);
 }
 
 // In one round: the ends are in the order of their angles.
 void FindHull(ScanPoints* points) {
-  std::vector<std::size_t> hull;
-  const auto seen = [points](std::size_t i) {
-    return Vector{points->x[i] - points->laser_x, points->y[i] - points->laser_y};
+  struct Corner {
+    Vector seen;  // from the laser
+    std::size_t i;
   };
+  std::vector<Corner> hull(points->Size());
+  std::size_t size = 0;
   for (std::size_t i = 0; i < points->Size(); ++i) {
-    while (hull.size() > 1 && Encloses(seen(hull[hull.size() - 2]), seen(i), seen(hull.back())))
-      hull.pop_back();
-    hull.push_back(i);
+    const Vector seen{points->x[i] - points->laser_x, points->y[i] - points->laser_y};
+    while (size > 1 && Encloses(hull[size - 2].seen, seen, hull[size - 1].seen)) --size;
+    hull[size++] = {seen, i};
   }
-  points->hull_x.reserve(hull.size());
-  points->hull_y.reserve(hull.size());
-  for (const std::size_t i : hull) {
-    points->hull_x.push_back(points->x[i]);
-    points->hull_y.push_back(points->y[i]);
+  points->hull_x.resize(size);
+  points->hull_y.resize(size);
+  for (std::size_t k = 0; k < size; ++k) {
+    points->hull_x[k] = points->x[hull[k].i];
+    points->hull_y[k] = points->y[hull[k].i];
   }
 }
 

@@ -38,6 +38,13 @@ class VoteGrid {
   void Replace(const ScanTile& before, const ScanTile& after);
   /// Adds counts given as planes.
   void Add(TileIndex tile, const CellBits* passes, const CellBits* hits, int planes);
+  /// See PageCounts.
+  void Expect(TileIndex tile) const {
+    const std::unique_ptr<Page>* page = pages_.Find(PageOf(tile));
+    if (!page || !*page) return;
+    (*page)->passes.Expect(PlaceInPage(tile));
+    (*page)->hits.Expect(PlaceInPage(tile));
+  }
   /// No votes at all; every tile that had some is dirty.
   void Clear();
 
