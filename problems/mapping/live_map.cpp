@@ -8,7 +8,7 @@
 #include <string>
 
 #include "graticule/problems/mapping/cover.hpp"
-#include "graticule/problems/mapping/dense_slice.hpp"
+#include "graticule/problems/mapping/cover_slices.hpp"
 #include "graticule/problems/mapping/map_extent.hpp"
 #include "graticule/problems/mapping/parallel_for.hpp"
 #include "graticule/problems/mapping/projection_error.hpp"
@@ -33,6 +33,7 @@ class LiveMap::Machine {
   explicit Machine(const LiveMapOptions& options)
       : options_(options),
         reader_(options.ranges),
+        slices_(options.slice_size),
         extent_(options.resolution),
         grid_(options.votes),
         map_(std::make_shared<const OccupancyMap>(options.resolution)) {
@@ -76,11 +77,7 @@ class LiveMap::Machine {
 
   MapUpdate UpdateExactly() {
     limit_ = 0;
-    for (std::size_t slice = 0; slice < slices_.size(); ++slice) {
-      if (watched_flag_[slice]) continue;
-      watched_flag_[slice] = true;
-      watched_.push_back(slice);
-    }
+    for (std::size_t slice = 0; slice < slices_.Count(); ++slice) slices_.Watch(slice);
     MapUpdate update = Update(std::numeric_limits<double>::infinity());
     limit_ = options_.regenerate_above * options_.resolution;
     return update;
@@ -115,8 +112,8 @@ class LiveMap::Machine {
     for (NodeId id = next_; id < nodes_.size(); ++id) update.waiting.push_back(id);
     Publish(&update);
     update.nodes = nodes_.size();
-    update.cover = cover_.size();
-    update.slices = slices_.size();
+    update.cover = slices_.Nodes().size();
+    update.slices = slices_.Count();
     update.seconds = Elapsed();
     return update;
   }
@@ -126,7 +123,7 @@ class LiveMap::Machine {
     return map_;
   }
   std::size_t NodeCount() const { return nodes_.size(); }
-  const std::vector<NodeId>& Cover() const { return cover_; }
+  const std::vector<NodeId>& Cover() const { return slices_.Nodes(); }
   const PlanarPose& DrawnPose(NodeId id) const {
     if (id >= nodes_.size() || places_[id].slice == kNone)
       throw Error("node " + std::to_string(id) + " is not in the cover");
@@ -145,16 +142,6 @@ class LiveMap::Machine {
     ScanPoints points;
     std::vector<ScanTile> drawing;  // of the cover only
   };
-  struct Slice {
-    std::uint32_t robot = 0;
-    std::vector<NodeId> nodes;
-    bool waited = false;  // a deadline came before it
-    DenseSlice dense;     // of kCoverComposite
-  };
-  struct Robot {
-    CoverSight sight;  // of C_r
-    std::size_t open_slice = kNone;
-  };
   using Clock = std::chrono::steady_clock;
 
   double Elapsed() const { return std::chrono::duration<double>(Clock::now() - started_).count(); }
@@ -162,26 +149,24 @@ class LiveMap::Machine {
   void Move(NodeId id, const PlanarPose& pose) {
     Place& place = places_[id];
     place.pose = pose;
-    if (place.slice == kNone || watched_flag_[place.slice]) return;
+    if (place.slice == kNone || slices_[place.slice].watched) return;
     if (ProjectionErrorBound(limit_, place.reach, place.drawn_at, pose) == Bound::kWithin) return;
-    watched_flag_[place.slice] = true;
-    watched_.push_back(place.slice);
+    slices_.Watch(place.slice);
   }
 
   // Algorithm 2.1, lines 9 to 13.
   void RegenerateStale(MapUpdate* update) {
     std::vector<std::size_t> stale;
-    for (const std::size_t slice : watched_) {
+    for (const std::size_t slice : slices_.TakeWatched()) {
       if (IsStale(slices_[slice]))
         stale.push_back(slice);
       else
-        watched_flag_[slice] = slices_[slice].waited = false;
+        slices_[slice].waited = false;
     }
     // What has waited longest comes first, then what came first.
     std::sort(stale.begin(), stale.end(), [this](std::size_t a, std::size_t b) {
       return slices_[a].waited != slices_[b].waited ? slices_[a].waited : a < b;
     });
-    watched_.clear();
     std::size_t done = 0;
     while (done < stale.size()) {
       const std::size_t end = NextBatch(stale, done);
@@ -190,22 +175,22 @@ class LiveMap::Machine {
       done = end;
     }
     for (; done < stale.size(); ++done) {
-      Slice& slice = slices_[stale[done]];
+      CoverSlice& slice = slices_[stale[done]];
       slice.waited = true;
-      watched_.push_back(stale[done]);
+      slices_.Watch(stale[done]);
       update->left_over.push_back({stale[done], slice.robot, slice.nodes.front(),
                                    slice.nodes.back(), ErrorOf(slice) / options_.resolution});
     }
   }
 
-  bool IsStale(const Slice& slice) const {
+  bool IsStale(const CoverSlice& slice) const {
     for (const NodeId id : slice.nodes)
       if (ProjectionErrorExceeds(limit_, nodes_[id].points, places_[id].drawn_at, places_[id].pose))
         return true;
     return false;
   }
 
-  double ErrorOf(const Slice& slice) const {
+  double ErrorOf(const CoverSlice& slice) const {
     double error = 0;
     for (const NodeId id : slice.nodes)
       error = std::max(
@@ -241,7 +226,7 @@ class LiveMap::Machine {
     const std::size_t dirty = grid_.DirtyTiles();
     DrawBatch();
     for (const std::size_t* slice = begin; slice < end; ++slice) {
-      watched_flag_[*slice] = slices_[*slice].waited = false;
+      slices_[*slice].waited = false;
       if (options_.method == MapMethod::kCoverComposite) DrawDense(&slices_[*slice]);
     }
     progress_ = true;
@@ -291,25 +276,15 @@ class LiveMap::Machine {
 
   // What the cover that a robot's nodes may join has seen.
   CoverSight& SightOf(std::uint32_t robot) {
-    return options_.cover.across_robots ? sight_ : robots_[robot].sight;
+    return options_.cover.across_robots ? sight_ : sights_[robot];
   }
 
   void JoinCover(NodeId id) {
     const Node& node = nodes_[id];
-    Robot& robot = robots_[node.robot];
-    if (robot.open_slice == kNone ||
-        slices_[robot.open_slice].nodes.size() >= options_.slice_size) {
-      robot.open_slice = slices_.size();
-      slices_.emplace_back();
-      slices_.back().robot = node.robot;
-      watched_flag_.push_back(false);
-    }
-    places_[id].slice = robot.open_slice;
-    slices_[robot.open_slice].nodes.push_back(id);
-    cover_.push_back(id);
+    places_[id].slice = slices_.Join(node.robot, id);
   }
 
-  void DrawDense(Slice* slice) {
+  void DrawDense(CoverSlice* slice) {
     std::vector<const std::vector<ScanTile>*> drawings;
     for (const NodeId id : slice->nodes) drawings.push_back(&nodes_[id].drawing);
     slice->dense.Draw(drawings);
@@ -318,12 +293,12 @@ class LiveMap::Machine {
   // Lines 14 to 17.
   void Composite() {
     grid_.Clear();
-    for (const Slice& slice : slices_) slice.dense.CompositeOnto(&grid_);
+    for (std::size_t i = 0; i < slices_.Count(); ++i) slices_[i].dense.CompositeOnto(&grid_);
   }
 
   void DrawAll() {
     grid_.Clear();
-    for (const NodeId id : cover_) {
+    for (const NodeId id : slices_.Nodes()) {
       Node& node = nodes_[id];
       rasterisers_[0].Draw(node.points, places_[id].pose, &candidate_);
       places_[id].drawn_at = places_[id].pose;
@@ -368,14 +343,11 @@ class LiveMap::Machine {
   LiveMapOptions options_;
   ScanReader reader_;
   std::vector<Node> nodes_;
-  std::vector<Place> places_;              // a node
-  NodeId next_ = 0;                        // the first that Update has not looked at
-  std::map<std::uint32_t, Robot> robots_;  // by number
-  std::vector<NodeId> cover_;
-  CoverSight sight_;  // of all robots' covers, for across_robots
-  std::vector<Slice> slices_;
-  std::vector<std::size_t> watched_;  // slices whose nodes moved, or that wait
-  std::vector<char> watched_flag_;    // of a slice: in watched_
+  std::vector<Place> places_;                   // a node
+  NodeId next_ = 0;                             // the first that Update has not looked at
+  std::map<std::uint32_t, CoverSight> sights_;  // by robot
+  CoverSight sight_;                            // of all robots' covers, for across_robots
+  CoverSlices slices_;
   MapExtent extent_;
   VoteGrid grid_;
   std::vector<Rasteriser> rasterisers_;  // a thread
