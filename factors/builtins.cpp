@@ -1,6 +1,7 @@
 #include "graticule/factors/builtins.hpp"
 
 #include "graticule/factors/camera.hpp"
+#include "graticule/factors/geodetic.hpp"
 #include "graticule/factors/landmark.hpp"
 #include "graticule/factors/pose.hpp"
 #include "graticule/factors/position.hpp"
@@ -38,7 +39,7 @@ Registry Builtins() {
   AddFactors<PriorSe2, PriorSe3, PriorSe3Quaternion>(&registry);
   AddFactors<PriorOffsetSe3, PriorOffsetSe3Quaternion>(&registry);
   AddFactors<PriorPoint2, PriorPoint3>(&registry);
-  AddFactors<PositionSe2, PositionSe3>(&registry);
+  AddFactors<PositionSe2, PositionSe3, GeodeticSe2>(&registry);
   AddFactors<BalReprojection>(&registry);
   registry.Add(MakeVariableType(sdk::VariableTable<BoardWarp>::kTable, kOrigin));
   AddCameras<PinholeLens, Radial2Lens, Radial3Lens, Brown4Lens, Brown5Lens, Brown8Lens,

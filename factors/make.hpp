@@ -67,6 +67,18 @@ inline Factor PositionSe3Factor(Key pose, const std::array<double, 3>& antenna_i
   return MakeFactor("position_se3/1", {pose}, measurement, std::move(noise), std::move(source));
 }
 
+/// Latitude, longitude [degrees], height [m] of the antenna and of the world's datum, and the
+/// antenna's place on the body [m, in the body's frame].
+inline Factor GeodeticSe2Factor(Key pose, const std::array<double, 3>& antenna,
+                                const std::array<double, 3>& datum,
+                                const std::array<double, 2>& lever_in_body, Noise noise,
+                                std::string source = "gnss") {
+  const std::array<double, 8> measurement = {antenna[0],       antenna[1],      antenna[2],
+                                             datum[0],         datum[1],        datum[2],
+                                             lever_in_body[0], lever_in_body[1]};
+  return MakeFactor("geodetic_se2/1", {pose}, measurement, std::move(noise), std::move(source));
+}
+
 inline Factor BalReprojectionFactor(Key camera, Key point, double u_px, double v_px, Noise noise,
                                     std::string source = "") {
   return MakeFactor("bal_reprojection/1", {camera, point}, std::array<double, 2>{u_px, v_px},

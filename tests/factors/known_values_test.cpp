@@ -207,6 +207,20 @@ TEST(Position, IsThatOfTheAntenna) {
   ExpectNear(Made("position_se3/1", {9, 21, 32, 1, 0, 2})({pose}), {1, 0, 0}, 1e-14);
 }
 
+// The antenna is 100 m above and beside the datum; GeographicLib says the same (georeference_test).
+TEST(Geodetic, IsEastAndNorthOfTheDatum) {
+  constexpr double kRadius = 6378137, kFlattening = 1 / 298.257223563;
+  const double e2 = kFlattening * (2 - kFlattening);
+  // On the equator: degrees to the east are those of a circle, to the north of its curvature.
+  const double east = (kRadius + 100) * std::sin(1e-3 * M_PI / 180);
+  const double north = (kRadius * (1 - e2) + 100) * 1e-3 * M_PI / 180;
+  ExpectNear(Made("geodetic_se2/1", {0, 1e-3, 100, 0, 0, 0, 0, 0})({{0, 0, 0}}), {-east, 0}, 1e-9);
+  ExpectNear(Made("geodetic_se2/1", {1e-3, 0, 100, 0, 0, 0, 0, 0})({{0, 0, 0}}), {0, -north}, 1e-7);
+  // The body at (10, 20), turned by 90 degrees to the left; the antenna 1 m ahead, 2 m to the left.
+  ExpectNear(Made("geodetic_se2/1", {42, -83, 7, 42, -83, 7, 1, 2})({{10, 20, M_PI / 2}}), {8, 21},
+             1e-14);
+}
+
 TEST(BalReprojection, IsThePublishedModel) {
   // Unturned, 5 m away along -z: p = (0.2, 0.4), |p|^2 = 0.2, distortion 1 + 0.02 + 0.0004.
   const Numbers camera = {0, 0, 0, 0, 0, -5, 500, 0.1, 0.01};
