@@ -76,7 +76,7 @@ void Run(const Job& job) {
   Stopwatch watch;
   LaserLog log;
   CarmenOptions carmen;
-  carmen.laser_offset = job.laser_offset;
+  if (job.laser_offset) carmen.laser_offset = PlanarPose{*job.laser_offset, 0, 0};
   ParseCarmen(ReadFile(job.log), job.log, carmen, &log);
   const double seconds_read = watch.Lap().wall;
   const double duration = log.scans.back().time - log.scans.front().time;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "graticule/io/robot_laser.hpp"
 #include "graticule/io/text.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/key.hpp"
@@ -51,7 +52,7 @@ class Reader {
  public:
   Reader(std::string_view text, const std::string& name, const CarmenOptions& options)
       : text_(text), reader_(text, name), options_(options) {
-    mounted_.x = options.laser_offset.value_or(0);
+    if (options.laser_offset) mounted_ = *options.laser_offset;
   }
 
   /// The log that is returned has one robot, without a name.
@@ -120,6 +121,7 @@ class Reader {
     }
     if (word == "ODOM" && needs_odometry_) return ReadOdometry();
     if (word == "PARAM") return ReadParameter();
+    if (word == "NMEAGGA" && options_.read_fixes) return ReadFix();
     ++summary_.other_messages[std::string(word.substr(0, 32))];
   }
 
@@ -127,6 +129,8 @@ class Reader {
   void ReadParameter() {
     if (reader_.Word("the parameter's name") != "robot_frontlaser_offset") return;
     const double offset = reader_.Double("the front laser's offset");
+    if (summary_.laser == "FLASER" || needs_odometry_)
+      summary_.logged_laser_offset = PlanarPose{offset, 0, 0};
     if (options_.laser_offset) return;
     mounted_.x = offset;
     for (const std::uint32_t geometry : mounted_geometries_)
@@ -141,6 +145,39 @@ class Reader {
     const Times times = ReadTimes();
     odometry_.push_back({times.message, odometry.odom_from_robot});
     logger_odometry_.push_back({times.logger, odometry.odom_from_robot});
+  }
+
+  // Degrees and minutes, ddmm.mmmm, and the letter of the hemisphere.
+  double ReadAngle(const char* what, const char* positive, const char* negative, double most) {
+    const double written = reader_.Double(what);
+    const double degrees = std::floor(written / 100);
+    const double angle = degrees + (written - 100 * degrees) / 60;
+    if (!(written >= 0) || angle > most) reader_.FailExpected("a place on the Earth", what);
+    if (reader_.Accept(positive)) return angle;
+    if (reader_.Accept(negative)) return -angle;
+    reader_.Word("the hemisphere");
+    reader_.FailExpected((std::string(positive) + " or " + negative).c_str(), "the hemisphere");
+  }
+
+  void ReadFix() {
+    reader_.Double("the number of the receiver");
+    reader_.Double("the time of day");
+    GnssFix fix;
+    fix.antenna.latitude = ReadAngle("the latitude", "N", "S", 90);
+    fix.antenna.longitude = ReadAngle("the longitude", "E", "W", 180);
+    const std::uint64_t quality = reader_.Integer("the quality");
+    reader_.Double("the number of satellites");
+    const double dilution = reader_.Double("the dilution of precision");
+    reader_.Double("the sea level");
+    fix.antenna.height = reader_.Double("the height");
+    for (const char* what : {"the geoid's sea level", "the geoid's height", "the data's age"})
+      reader_.Double(what);
+    fix.sigma_m = GnssSigma(quality, dilution);
+    const Times times = ReadTimes();
+    if (quality == 0) return;
+    fix.time = times.message;
+    summary_.fixes.push_back(fix);
+    logger_fix_times_.push_back(times.logger);
   }
 
   void ReadFlaser() {
@@ -173,6 +210,8 @@ class Reader {
                              "the side safety distance", "the turn axis"})
       reader_.Double(what);
     geometry.robot_from_laser = Inverse(scan.odom_from_robot) * odom_from_laser;
+    if (!summary_.logged_laser_offset) summary_.logged_laser_offset = geometry.robot_from_laser;
+    if (options_.laser_offset) geometry.robot_from_laser = *options_.laser_offset;
     Finish(scan, Intern(geometry));
   }
 
@@ -258,7 +297,11 @@ class Reader {
       log_.scans[i].time = summary_.times == LogTimes::kMessage  ? times_[i].message
                            : summary_.times == LogTimes::kLogger ? times_[i].logger
                                                                  : static_cast<double>(i);
-    if (summary_.times == LogTimes::kLogger) odometry_ = std::move(logger_odometry_);
+    if (summary_.times == LogTimes::kLogger) {
+      odometry_ = std::move(logger_odometry_);
+      for (std::size_t i = 0; i < summary_.fixes.size(); ++i)
+        summary_.fixes[i].time = logger_fix_times_[i];
+    }
   }
 
   void RefuseBackwards() {
@@ -327,6 +370,7 @@ class Reader {
   std::vector<std::uint32_t> mounted_geometries_;
   std::vector<Times> times_;  // of the scans
   std::vector<Odometry> odometry_, logger_odometry_;
+  std::vector<double> logger_fix_times_;
 };
 
 }  // namespace
@@ -346,6 +390,7 @@ CarmenSummary ParseCarmen(std::string_view text, const std::string& name,
     scan.geometry += static_cast<std::uint32_t>(log->geometries.size());
     scan.first_range += log->ranges.size();
   }
+  for (GnssFix& fix : summary.fixes) fix.robot = family;
   log->robots.push_back(family);
   log->scans.insert(log->scans.end(), own.scans.begin(), own.scans.end());
   log->ranges.insert(log->ranges.end(), own.ranges.begin(), own.ranges.end());
@@ -355,33 +400,8 @@ CarmenSummary ParseCarmen(std::string_view text, const std::string& name,
 
 std::string FormatCarmen(const LaserLog& log, std::size_t robot) {
   std::string text;
-  const auto number = [&text](double value) {
-    text += ' ';
-    AppendNumber(&text, value);
-  };
-  const auto pose = [&number](const PlanarPose& frame) {
-    for (const double value : {frame.x, frame.y, frame.yaw}) number(value);
-  };
-  for (const LaserScan& scan : log.scans) {
-    if (scan.robot != robot) continue;
-    const LaserGeometry& geometry = log.GeometryOf(scan);
-    text += "ROBOTLASER1 0";
-    number(geometry.first_angle);
-    number(geometry.step * scan.beams);
-    number(geometry.step);
-    number(geometry.max_range);
-    text += " 0 0 ";
-    AppendInteger(&text, scan.beams);
-    for (const float range : log.RangesOf(scan)) number(static_cast<double>(range));
-    text += " 0";
-    pose(scan.odom_from_robot * geometry.robot_from_laser);
-    pose(scan.odom_from_robot);
-    text += " 0 0 0 0 0";
-    number(scan.time);
-    text += " graticule";
-    number(scan.time);
-    text += '\n';
-  }
+  for (const LaserScan& scan : log.scans)
+    if (scan.robot == robot) AppendRobotLaser(log, scan, &text);
   return text;
 }
 

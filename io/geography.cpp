@@ -56,6 +56,13 @@ std::string FormatWorldFile(const OccupancyGrid& grid) {
   return text;
 }
 
+double ScaleOfHeight(const Geodetic& place) {
+  constexpr double kRadius = 6378137, kFlattening = 1 / 298.257223563;
+  constexpr double kE2 = kFlattening * (2 - kFlattening);
+  const double s = std::sin(place.latitude * M_PI / 180);
+  return 1 + place.height * (1 - kE2 * s * s) / (kRadius * std::sqrt(1 - kE2));
+}
+
 std::string FormatProjection(const Geodetic& origin) {
   std::string text =
       "PROJCS[\"Local_Transverse_Mercator\",GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\","
@@ -64,7 +71,9 @@ std::string FormatProjection(const Geodetic& origin) {
       "PARAMETER[\"False_Easting\",0.0],PARAMETER[\"False_Northing\",0.0],"
       "PARAMETER[\"Central_Meridian\",";
   AppendNumber(&text, origin.longitude);
-  text += "],PARAMETER[\"Scale_Factor\",1.0],PARAMETER[\"Latitude_Of_Origin\",";
+  text += "],PARAMETER[\"Scale_Factor\",";
+  AppendNumber(&text, ScaleOfHeight(origin));
+  text += "],PARAMETER[\"Latitude_Of_Origin\",";
   AppendNumber(&text, origin.latitude);
   return text + "],UNIT[\"Meter\",1.0]]\n";
 }

@@ -29,7 +29,11 @@ std::string FormatGeoJson(const std::vector<GeographicLine>& lines);
 std::string FormatWorldFile(const OccupancyGrid& grid);
 
 /// The coordinates that a world file is in, as ESRI's WKT: transverse Mercator about `origin`,
-/// scale 1 there, metres to the east and north.
+/// metres at its height to the east and north.
 std::string FormatProjection(const Geodetic& origin);
+
+/// By how much metres at a place's height are fewer than those on the ellipsoid below: 1 + height /
+/// sqrt(M N), with the radii of curvature of the ellipsoid there.
+double ScaleOfHeight(const Geodetic& place);
 
 }  // namespace graticule

@@ -59,8 +59,15 @@ TEST(Carmen, PutsTheLaserWhereTheLogOrTheOptionsSay) {
   EXPECT_EQ(Read(text).geometries[0].robot_from_laser.x, -0.04);
   EXPECT_EQ(Read(Flaser(180)).geometries[0].robot_from_laser.x, 0);
   CarmenOptions options;
-  options.laser_offset = 0.1;
+  options.laser_offset = PlanarPose{0.1, 0, 0};
   EXPECT_EQ(Read(text, options).geometries[0].robot_from_laser.x, 0.1);
+  options.laser_offset = PlanarPose{0.1, -0.2, 0.3};
+  LaserLog log;
+  const CarmenSummary summary = ParseCarmen(text, "a.clf", options, &log);
+  EXPECT_EQ(log.geometries[0].robot_from_laser.y, -0.2);
+  EXPECT_EQ(log.geometries[0].robot_from_laser.yaw, 0.3);
+  ASSERT_TRUE(summary.logged_laser_offset);
+  EXPECT_EQ(summary.logged_laser_offset->x, -0.04);
 }
 
 TEST(Carmen, KeepsAGeometryForEachNumberOfBeams) {
@@ -72,6 +79,56 @@ TEST(Carmen, KeepsAGeometryForEachNumberOfBeams) {
 
 constexpr const char* kRobotLaser =
     "ROBOTLASER1 0 -1.5 3 0.5 50 0.1 0 3 1 2 50 1 17 1.2 2 0 1 2 0 0 0 0 0 0 7 host 7\n";
+
+TEST(Carmen, PutsTheLaserOfARobotLaserMessageWhereTheOptionsSay) {
+  CarmenOptions options;
+  options.laser_offset = PlanarPose{-0.04, 0, 0};
+  LaserLog log;
+  const CarmenSummary summary = ParseCarmen(kRobotLaser, "a.clf", options, &log);
+  EXPECT_EQ(log.geometries[0].robot_from_laser.x, -0.04);
+  EXPECT_NEAR(summary.logged_laser_offset->x, 0.2, 1e-12);
+}
+
+// Written by CARMEN's logger (carmen-devel, logwrite): degrees and minutes as NMEA has them.
+constexpr const char* kGga =
+    "NMEAGGA 1 104523.0 4800.774000 N 749.848800 E 1 8 1.200000 0 250.500000 0 0 0 6.5 host 6.5\n";
+
+TEST(Carmen, ReadsTheFixesOfAReceiver) {
+  CarmenOptions options;
+  options.read_fixes = true;
+  LaserLog log;
+  std::string none = kGga;
+  none.replace(none.find("E 1 8"), 5, "E 0 8");  // no fix
+  std::string south = kGga;
+  south.replace(south.find(" N "), 3, " S ");
+  const CarmenSummary summary =
+      ParseCarmen(kGga + none + south + kRobotLaser, "a.clf", options, &log);
+  ASSERT_EQ(summary.fixes.size(), 2u);
+  EXPECT_EQ(summary.fixes[0].time, 6.5);
+  EXPECT_EQ(summary.fixes[0].robot, "robot1");
+  EXPECT_NEAR(summary.fixes[0].antenna.latitude, 48.0129, 1e-12);
+  EXPECT_NEAR(summary.fixes[0].antenna.longitude, 7.83081333333333, 1e-12);
+  EXPECT_EQ(summary.fixes[0].antenna.height, 250.5);
+  EXPECT_NEAR(summary.fixes[0].sigma_m, 1.2 * 2.5, 1e-12);
+  EXPECT_NEAR(summary.fixes[1].antenna.latitude, -48.0129, 1e-12);
+  options.read_fixes = false;
+  LaserLog other;
+  EXPECT_EQ(ParseCarmen(std::string(kGga) + kRobotLaser, "a.clf", options, &other)
+                .other_messages.at("NMEAGGA"),
+            1u);
+}
+
+TEST(Carmen, RefusesAFixThatIsNotOnTheEarth) {
+  CarmenOptions options;
+  options.read_fixes = true;
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"4800.77", "9100.77"}, {" N ", " X "}, {" 1.200000", ""}}) {
+    std::string broken = kGga;
+    broken.replace(broken.find(from), from.size(), to);
+    LaserLog log;
+    EXPECT_THROW(ParseCarmen(broken + kRobotLaser, "a.clf", options, &log), Error) << broken;
+  }
+}
 
 TEST(Carmen, ReadsRobotLaserWithItsOwnGeometry) {
   const LaserLog log = Read(kRobotLaser);
