@@ -9,7 +9,7 @@
 namespace graticule {
 namespace {
 
-// Scale 1 on the meridian of the datum.
+// Scale 1 on the meridian, at the ellipsoid.
 const GeographicLib::TransverseMercator& Mercator() {
   static const GeographicLib::TransverseMercator mercator(6378137.0, 1 / 298.257223563, 1.0);
   return mercator;
@@ -49,14 +49,18 @@ Geodetic ParseDatum(std::string_view text) {
 
 Geodetic GeodeticOf(const Geodetic& datum, double x, double y) {
   Geodetic place;
-  Mercator().Reverse(datum.longitude, x, y + NorthingOf(datum), place.latitude, place.longitude);
+  const double scale = ScaleOfHeight(datum);
+  Mercator().Reverse(datum.longitude, x / scale, y / scale + NorthingOf(datum), place.latitude,
+                     place.longitude);
   place.height = datum.height;
   return place;
 }
 
 void MapPointOf(const Geodetic& datum, const Geodetic& place, double* x, double* y) {
   Mercator().Forward(datum.longitude, place.latitude, place.longitude, *x, *y);
-  *y -= NorthingOf(datum);
+  const double scale = ScaleOfHeight(datum);
+  *x *= scale;
+  *y = (*y - NorthingOf(datum)) * scale;
 }
 
 }  // namespace graticule

@@ -12,7 +12,9 @@ namespace graticule {
 Geodetic ParseDatum(std::string_view text);
 
 /// A point of the map (m; x east, y north, the datum at its origin) on the Earth: by the transverse
-/// Mercator projection about the datum (Karney 2011), the coordinates of FormatProjection.
+/// Mercator projection about the datum (Karney 2011), in metres at its height, the coordinates of
+/// FormatProjection.  Within 5 km this is the plane that touches the Earth at the datum (east and
+/// north of EastNorthUp) to 5 mm.
 Geodetic GeodeticOf(const Geodetic& datum, double x, double y);
 
 /// And back.

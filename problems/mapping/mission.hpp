@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "graticule/io/g2o_laser.hpp"
+#include "graticule/io/geography.hpp"
 #include "graticule/io/laser_log.hpp"
 #include "graticule/solver/graph.hpp"
 
@@ -21,6 +23,10 @@ struct Mission {
   LaserLog log;
   Graph graph;
   std::vector<MissionNode> nodes;  ///< in the order in which they came
+  /// Where each robot begins, in the graph's world, where that was known before; else empty.
+  std::vector<PlanarPose> starts = {};
+  /// Of the graph's world: x east and y north of here.  Empty: it lies anyhow.
+  std::optional<Geodetic> datum = {};
 
   double TimeOf(const MissionNode& node) const { return log.scans[node.scan].time; }
 };

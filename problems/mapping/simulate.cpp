@@ -304,6 +304,8 @@ class MissionSimulation {
     const Noise match =
         Noise::Sigmas({options_.match_sigma_m, options_.match_sigma_m, options_.match_sigma_rad});
     if (robot.nodes == 0) {
+      simulated_.mission.starts.resize(robots_.size());
+      simulated_.mission.starts[r] = start;
       graph.Add(PriorSe2Factor(key, {guess.x, guess.y, guess.yaw}, Noise::Sigmas({0.3, 0.3, 0.03}),
                                "start"));
     } else {
