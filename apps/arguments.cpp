@@ -126,10 +126,14 @@ void AddMap(CLI::App* app, Chosen* chosen) {
       app, "map", "make the occupancy map of recorded missions",
       "  graticule map intel.clf.gz -o out/\n"
       "  graticule map killian.g2o.gz --method incremental naive cover-composite -o out/\n"
-      "  graticule map robot1.log robot2.log --datum 42.293,-83.711 --record -o out/",
+      "  graticule map robot1.log robot2.log --gnss fixes.csv --record -o out/\n"
+      "  graticule map out/ --method incremental naive -o again/",
       command, chosen);
-  sub->add_option("LOGS", command->logs,
-                  "CARMEN logs, one a robot, or one .g2o with ROBOTLASER1 scans; each also .gz")
+  sub->add_option(
+         "LOGS", command->logs,
+         "CARMEN logs, one a robot; or one .g2o with ROBOTLASER1 scans, and a .pgseq where "
+         "its sequence of graphs is known; each also .gz; or the folder of a recorded "
+         "mission")
       ->required();
   sub->add_option("-o,--output", command->output, "the folder for map, graph, pictures and report")
       ->required();
@@ -138,9 +142,9 @@ void AddMap(CLI::App* app, Chosen* chosen) {
                   "are compared: incremental, naive, naive-cover, cover-composite")
       ->check(CLI::IsMember({"incremental", "naive", "naive-cover", "cover-composite"}))
       ->capture_default_str();
-  sub->add_option("--every", command->every_s, "seconds of the log from update to update")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  sub->add_option("--every", command->every_s,
+                  "seconds of the log from update to update (10; a recorded mission's own)")
+      ->check(CLI::PositiveNumber);
   sub->add_option("--resolution", command->resolution_m, "m, a cell's side")
       ->check(CLI::Range(0.001, 10.0))
       ->capture_default_str();
@@ -162,6 +166,14 @@ void AddMap(CLI::App* app, Chosen* chosen) {
       ->capture_default_str();
   sub->add_option("--datum", command->datum,
                   "where on the Earth the map's origin is: LAT,LON or LAT,LON,HEIGHT; x is east");
+  sub->add_option("--gnss", command->gnss,
+                  "satellite fixes that say where on the Earth the map is: a file of lines "
+                  "time,robot,latitude,longitude,height,sigma, or `log` for NMEAGGA lines of the "
+                  "logs; --datum is then the origin, else the first fix")
+      ->type_name("FILE");
+  sub->add_option("--antenna", command->antenna,
+                  "where the receiver's antenna is on the robot: X,Y in m, ahead and to the left")
+      ->type_name("X,Y");
   sub->add_option("--truth", command->truth, "a true map (map_server YAML) to compare with");
   sub->add_option("--start", command->starts,
                   "where the robot of each log begins, in order: x,y,yaw in m and rad; without it, "
@@ -170,10 +182,18 @@ void AddMap(CLI::App* app, Chosen* chosen) {
       ->allow_extra_args(false);
   sub->add_flag("--keep-poses", command->keep_poses,
                 "the logs' poses are corrected already: draw the map with them");
+  sub->add_option(
+         "--laser-offset", command->laser_offsets,
+         "where the laser is on the robot, whatever the logs say: X ahead, or X,Y,YAW in m "
+         "and rad; once for all logs, or for each in order")
+      ->type_name("X[,Y,YAW]")
+      ->allow_extra_args(false);
   sub->add_option("--relations", command->relations,
                   "true relations between poses at two times (Kuemmerle et al. 2009): t1 t2 x y z "
                   "roll pitch yaw");
-  sub->add_flag("--record", command->record, "keep the factor graph of every update (.fg)");
+  sub->add_flag("--record", command->record,
+                "record the mission in the folder: the factor graph of every update, the "
+                "scans and an index");
   sub->add_flag("--skip-bad", command->skip_bad, "pass over bad lines of a log, and count them");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
   AddReading(sub, &command->reading);
@@ -291,6 +311,15 @@ void AddSimulateMission(CLI::App* app, Chosen* chosen) {
   sub->add_option("--minutes", command->minutes, "instead of the shape's")
       ->check(CLI::Range(0.1, 10000.0));
   sub->add_option("--seed", command->seed)->capture_default_str();
+  sub->add_flag("--record", command->record,
+                "write it as a recorded mission as well, with its sequence of graphs");
+  sub->add_option("--gnss", command->gnss_sigma_m,
+                  "write satellite fixes, one in 5 s, of this deviation in m (gnss.csv)")
+      ->check(CLI::Range(0.001, 1000.0));
+  sub->add_option("--bad-fixes", command->bad_fixes, "so many of them are 50 m off")
+      ->check(CLI::Range(0, 1000000));
+  sub->add_option("--datum", command->datum, "where on the Earth the town's origin is")
+      ->capture_default_str();
 }
 
 void AddLists(CLI::App* app, Chosen* chosen) {

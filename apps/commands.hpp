@@ -57,13 +57,17 @@ struct MapCommand {
   Reading reading;
   std::string output;
   std::vector<std::string> methods = {"incremental"};
-  double every_s = 10, resolution_m = 0.1, max_range_m = 25, deadline_ms = 0;
+  double every_s = 0;  ///< 0: kEveryS, of a recorded mission its own
+  double resolution_m = 0.1, max_range_m = 25, deadline_ms = 0;
   double cover_news = -1;   ///< -1: the default of CoverOptions
   int slice = 0, bias = 0;  ///< slice 0: the default of LiveMapOptions
   bool no_cover = false, record = false, json = false, skip_bad = false;
   bool keep_poses = false;  ///< of logs: somebody has corrected them
   std::string datum, truth, relations;
-  std::vector<std::string> starts;  ///< "x,y,yaw", one a log
+  std::vector<std::string> starts;         ///< "x,y,yaw", one a log
+  std::vector<std::string> laser_offsets;  ///< "x" or "x,y,yaw", one for all logs or one a log
+  std::string gnss;                        ///< "" or a file, or "log"
+  std::string antenna;                     ///< "" or "x,y"
 };
 
 struct CalibrateCommand {
@@ -84,6 +88,8 @@ struct CalibrateEvaluateCommand {
   std::string picture;               ///< of the difference: .svg or .png
   bool json = false;
 };
+/// From graph to graph of a mission that has no sequence yet.
+inline constexpr double kEveryS = 10;
 
 struct ConvertCommand {
   std::string input, output;
@@ -123,6 +129,10 @@ struct SimulateMissionCommand {
   int robots = 0;      ///< 0: as the shape has them
   double minutes = 0;  ///< 0: as long as the shape
   std::uint64_t seed = 1;
+  bool record = false;
+  double gnss_sigma_m = 0;  ///< 0: no fixes
+  int bad_fixes = 0;
+  std::string datum = "42.293,-83.711,260";
 };
 
 struct OptionsCommand {

@@ -1,23 +1,24 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include <filesystem>
+#include <limits>
+#include <memory>
 #include <optional>
 
 #include "commands.hpp"
-#include "graticule/io/file.hpp"
 #include "graticule/io/geography.hpp"
 #include "graticule/io/map_drawing.hpp"
 #include "graticule/io/map_report.hpp"
 #include "graticule/io/readable.hpp"
 #include "graticule/io/svg.hpp"
-#include "graticule/io/trajectory.hpp"
 #include "graticule/problems/mapping/georeference.hpp"
+#include "graticule/problems/mapping/gnss_factors.hpp"
 #include "graticule/problems/mapping/map_error.hpp"
 #include "graticule/problems/mapping/map_mission.hpp"
 #include "graticule/problems/mapping/transients.hpp"
 #include "graticule/solver/provenance.hpp"
+#include "map_files.hpp"
 #include "mission_files.hpp"
 #include "output_folder.hpp"
 #include "problem.hpp"
@@ -39,25 +40,24 @@ LiveMapOptions OptionsOf(const MapCommand& command) {
   return options;
 }
 
-// The graphs of the sequence; each is kept where that is asked for.
-std::vector<MissionStep> Replay(const MapCommand& command, const Mission& mission,
-                                OutputFolder* folder, const Console& console) {
+// The graphs of the sequence; the mission is recorded where that is asked for.
+std::vector<MissionStep> Replay(const MapCommand& command, const LoadedMission& loaded,
+                                const Registry& types, const std::string& title,
+                                const OutputFolder& folder, const Console& console) {
   std::vector<MissionStep> steps;
-  MissionReplay replay(mission, command.every_s);
-  if (command.record) OutputFolder(folder->Of("graphs"));
+  const Mission& mission = loaded.mission;
+  const std::unique_ptr<GraphSequence> sequence = SequenceOf(loaded, command, types);
+  std::optional<MissionRecorder> recorder;
+  if (command.record) recorder.emplace(folder, title, MadeBy("map " + title));
   MissionStep step;
-  while (!Interruptible::WasAsked() && replay.Next(&step)) {
+  while (!Interruptible::WasAsked() && sequence->Next(&step)) {
     steps.push_back(step);
     console.Progress(
         fmt::format("graph {}: {} of {} nodes", steps.size(), step.nodes, mission.nodes.size()));
-    if (!command.record) continue;
-    Recording recording(mission.graph.Types());
-    recording.graph = replay.Problem();
-    recording.title = fmt::format("graph {} of a mission, at {} s", steps.size(), step.time);
-    recording.made_by = MadeBy("map");
-    WriteProblem(folder->Of(fmt::format("graphs/{:05}.fg", steps.size())), recording, {});
+    if (recorder) recorder->Keep(step, sequence->Problem());
   }
   console.Progress("");
+  if (recorder && !steps.empty()) recorder->Finish(mission, steps.back());
   return steps;
 }
 
@@ -81,63 +81,19 @@ MapRun RunOf(const std::string& method, const std::vector<MissionStep>& steps,
   return run;
 }
 
-MapDrawing DrawingOf(const Mission& mission, const MissionStep& last, OccupancyGrid grid) {
-  MapDrawing drawing;
-  drawing.grid = std::move(grid);
-  std::vector<std::size_t> node_of(mission.graph.VariableCount(), mission.nodes.size());
-  for (const std::string& robot : mission.log.robots) drawing.trajectories.push_back({robot, {}});
-  for (std::size_t i = 0; i < last.nodes; ++i) {
-    node_of[mission.nodes[i].variable] = i;
-    const LaserScan& scan = mission.log.scans[mission.nodes[i].scan];
-    drawing.trajectories[scan.robot].points.push_back(
-        {last.world_from_robot[i].x, last.world_from_robot[i].y});
+// Its graphs would be written over while they are read.
+void RefuseToRecordOntoItself(const MapCommand& command) {
+  if (!command.record) return;
+  for (const std::string& log : command.logs) {
+    if (!IsRecordedMission(log)) continue;
+    std::error_code ignored;
+    std::filesystem::path folder = log;
+    if (!std::filesystem::is_directory(folder))
+      folder = std::filesystem::absolute(log).parent_path();
+    if (std::filesystem::equivalent(folder, command.output, ignored))
+      throw Error("--record: a mission cannot be recorded in the folder that it is read from",
+                  ErrorKind::kUsage);
   }
-  for (FactorId id = 0; id < mission.graph.FactorCount(); ++id) {
-    const FactorView factor = mission.graph.FactorAt(id);
-    if (factor.variables.size() != 2 || factor.source != "loop") continue;
-    const std::size_t a = node_of[factor.variables[0]], b = node_of[factor.variables[1]];
-    if (std::max(a, b) >= last.nodes) continue;
-    const auto place = [&](std::size_t node) {
-      return MapDrawing::Point{last.world_from_robot[node].x, last.world_from_robot[node].y};
-    };
-    drawing.closures.emplace_back(place(a), place(b));
-  }
-  return drawing;
-}
-
-void WriteTrajectories(const Mission& mission, const MissionStep& last,
-                       const std::optional<Geodetic>& datum, OutputFolder* folder) {
-  std::vector<std::vector<StampedPose>> poses(mission.log.robots.size());
-  std::vector<GeographicLine> lines;
-  for (const std::string& robot : mission.log.robots) lines.push_back({robot, {}});
-  for (std::size_t i = 0; i < last.nodes; ++i) {
-    const LaserScan& scan = mission.log.scans[mission.nodes[i].scan];
-    const PlanarPose& pose = last.world_from_robot[i];
-    poses[scan.robot].push_back(StampPlanar(scan.time, pose));
-    if (datum) lines[scan.robot].points.push_back(GeodeticOf(*datum, pose.x, pose.y));
-  }
-  for (std::size_t robot = 0; robot < poses.size(); ++robot)
-    folder->Write(mission.log.robots[robot] + ".tum", FormatTum(poses[robot]));
-  if (!datum) return;
-  folder->Write("trajectories.kml", FormatKml(lines, "graticule map"));
-  folder->Write("trajectories.geojson", FormatGeoJson(lines));
-}
-
-void WriteGraph(const Mission& mission, const MissionStep& last, OutputFolder* folder) {
-  Recording recording(mission.graph.Types());
-  recording.graph = mission.graph;
-  Values values = mission.graph.InitialValues();
-  for (std::size_t i = 0; i < last.nodes; ++i) {
-    double* value = values.Mutable(mission.nodes[i].variable);
-    value[0] = last.world_from_robot[i].x;
-    value[1] = last.world_from_robot[i].y;
-    value[2] = last.world_from_robot[i].yaw;
-  }
-  recording.graph.SetValues(values);
-  recording.title = "the pose graph of a map";
-  recording.made_by = MadeBy("map");
-  WriteProblem(folder->Of("graph.fg"), recording, {});
-  WriteProblem(folder->Of("graph.g2o"), recording, {});
 }
 
 void PrintSummary(const MapReport& report) {
@@ -159,14 +115,22 @@ void PrintSummary(const MapReport& report) {
 int Run(const MapCommand& command, const Console& console) {
   std::optional<Geodetic> datum;
   if (!command.datum.empty()) datum = ParseDatum(command.datum);
+  RefuseToRecordOntoItself(command);
   const Registry types = LoadTypes(command.reading);
   OutputFolder folder(command.output);
   std::optional<OccupancyGrid> truth;
   if (!command.truth.empty()) truth = ReadOccupancy(command.truth);
   const Interruptible interruptible;
   MapReport report;
-  const Mission mission = LoadMission(command, types, &report, console);
-  const std::vector<MissionStep> steps = Replay(command, mission, &folder, console);
+  LoadedMission loaded = LoadMission(command, types, &report, console);
+  if (datum && command.gnss.empty() && DatumOf(loaded.mission.graph))
+    throw Error("--datum: the mission's graph has satellite fixes, and a datum of its own",
+                ErrorKind::kUsage);
+  if (datum) loaded.mission.datum = datum;
+  const Mission& mission = loaded.mission;
+  datum = mission.datum;
+  const std::vector<MissionStep> steps =
+      Replay(command, loaded, types, report.title, folder, console);
   if (steps.empty()) throw Error("stopped before the first graph", ErrorKind::kOther);
   const MissionStep& last = steps.back();
 
@@ -225,12 +189,12 @@ int Run(const MapCommand& command, const Console& console) {
 
   // The map first: a full disk for the report must not cost it.
   WriteOccupancy(grid, folder.Of("map"));
-  WriteGraph(mission, last, &folder);
+  WriteGraph(mission, last, folder);
   folder.Write("map.png", FormatOccupancyPng(grid));
   const OccupancyGrid transients = TransientsOf(*map);
   WriteOccupancy(transients, folder.Of("transients"));
   folder.Write("transients.png", FormatOccupancyPng(transients));
-  WriteTrajectories(mission, last, datum, &folder);
+  WriteTrajectories(mission, last, folder);
   if (datum) {
     const std::string world = FormatWorldFile(grid);
     for (const char* name : {"map.pgw", "map.wld"}) folder.Write(name, world);

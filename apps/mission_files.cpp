@@ -3,25 +3,35 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <utility>
 
 #include "graticule/io/carmen.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/readable.hpp"
 #include "graticule/problems/mapping/front_end.hpp"
 #include "graticule/problems/mapping/placed_mission.hpp"
+#include "graticule/problems/mapping/mission_replay.hpp"
+#include "graticule/problems/mapping/pose_sequence_replay.hpp"
 #include "graticule/problems/mapping/relation_error.hpp"
+#include "graticule/problems/pose_graph/initialise_and_solve.hpp"
 #include "graticule/solver/stopwatch.hpp"
+#include "mission_gnss.hpp"
+#include "numbers.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
 namespace {
 
-Mission FromG2o(const MapCommand& command, const Registry& types, const Console& console) {
-  const std::string& file = command.logs.front();
+std::string TitleOf(const std::string& path) {
+  const std::filesystem::path cleaned = std::filesystem::path(path).lexically_normal();
+  return (cleaned.has_filename() ? cleaned : cleaned.parent_path()).filename().string();
+}
+
+Mission FromG2o(const std::string& file, const MapCommand& command, const Registry& types,
+                const Console& console) {
   Reading reading = command.reading;
   reading.skip_unknown = true;  // the scans, which are read by another
   Console silent = console;
@@ -30,18 +40,61 @@ Mission FromG2o(const MapCommand& command, const Registry& types, const Console&
   return MissionFromG2o(std::move(recording.graph), ParseG2oLaser(ReadFile(file), file), file);
 }
 
-// A log a robot.  What was passed over is said.
-LaserLog ReadLogs(const MapCommand& command, MapReport* report) {
+PlanarPose PoseOfNumbers(const std::vector<double>& numbers) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+// X, or X,Y,YAW; one for all logs, or one a log.
+std::optional<PlanarPose> LaserOffsetOf(const MapCommand& command, std::size_t log) {
+  const std::vector<std::string>& given = command.laser_offsets;
+  if (given.empty()) return {};
+  if (given.size() != 1 && given.size() != command.logs.size())
+    throw Error(fmt::format("--laser-offset is given {} times for {} logs: expected once, or once "
+                            "for each",
+                            given.size(), command.logs.size()),
+                ErrorKind::kUsage);
+  const std::string& text = given[given.size() == 1 ? 0 : log];
+  const bool is_pose = text.find(',') != std::string::npos;
+  std::vector<double> numbers =
+      ReadNumbers("--laser-offset", text, is_pose ? 3 : 1, "X or X,Y,YAW, in metres and radians");
+  numbers.resize(3);
+  return PoseOfNumbers(numbers);
+}
+
+std::string Words(const PlanarPose& offset) {
+  return fmt::format("{:.3f} m, {:.3f} m, {:.2f} degrees", offset.x, offset.y,
+                     offset.yaw * 180 / M_PI);
+}
+
+// A log a robot.  What was passed over, and what was not believed, is said.
+LaserLog ReadLogs(const MapCommand& command, MapReport* report, std::vector<GnssFix>* fixes) {
   LaserLog log;
-  for (const std::string& file : command.logs) {
+  for (std::size_t i = 0; i < command.logs.size(); ++i) {
+    const std::string& file = command.logs[i];
     CarmenOptions options;
     options.skip_bad = command.skip_bad;
-    const CarmenSummary summary = ParseCarmen(ReadFile(file), file, options, &log);
+    options.read_fixes = command.gnss == "log";
+    options.laser_offset = LaserOffsetOf(command, i);
+    CarmenSummary summary = ParseCarmen(ReadFile(file), file, options, &log);
+    if (options.laser_offset)
+      report->facts.emplace_back(
+          "laser", fmt::format("{} at {} (ahead, left, turned), by --laser-offset; {}",
+                               log.robots.back(), Words(*options.laser_offset),
+                               summary.logged_laser_offset
+                                   ? "its log says " + Words(*summary.logged_laser_offset) +
+                                         ", which is overridden"
+                                   : "its log does not say"));
     if (summary.skipped > 0)
       report->warnings.push_back(fmt::format("{}: {} lines were passed over, the first: {}", file,
                                              summary.skipped, summary.first_skipped));
     if (summary.times == LogTimes::kNone)
       report->warnings.push_back(file + ": its lines do not say when; scans count as seconds");
+    if (summary.times == LogTimes::kNone && !command.gnss.empty())
+      throw Error(file + ": its lines do not say when, so that no fix can be placed");
+    if (summary.other_messages.count("NMEAGGA"))
+      report->warnings.push_back(fmt::format("{}: {} satellite fixes are not used (--gnss log)",
+                                             file, summary.other_messages.at("NMEAGGA")));
+    fixes->insert(fixes->end(), summary.fixes.begin(), summary.fixes.end());
   }
   return log;
 }
@@ -77,28 +130,16 @@ Mission Placed(const MapCommand& command, const Registry& types, MapReport* repo
   return MissionAsPlaced(std::move(log), types);
 }
 
-PlanarPose ReadStart(const std::string& text) {
-  double numbers[3];
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (int i = 0; i < 3; ++i) {
-    const auto [next, error] = std::from_chars(at, end, numbers[i]);
-    const bool ends_well = i < 2 ? next != end && *next == ',' : next == end;
-    if (error != std::errc() || !ends_well || !std::isfinite(numbers[i]))
-      throw Error("--start '" + text + "': expected X,Y,YAW, in metres and radians",
-                  ErrorKind::kUsage);
-    at = next + 1;
-  }
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
 // Makes the pose graph, which is solved already.
 Mission FromLogs(const MapCommand& command, const Registry& types, MapReport* report,
                  const Console& console) {
-  LaserLog log = ReadLogs(command, report);
+  std::vector<GnssFix> fixes;
+  LaserLog log = ReadLogs(command, report, &fixes);
   const Stopwatch clock;
   FrontEndOptions options;
-  for (const std::string& start : command.starts) options.starts.push_back(ReadStart(start));
+  for (const std::string& start : command.starts)
+    options.starts.push_back(
+        PoseOfNumbers(ReadNumbers("--start", start, 3, "X,Y,YAW, in metres and radians")));
   if (!options.starts.empty() && options.starts.size() != log.robots.size())
     throw Error(fmt::format("--start is given {} times for {} robots", options.starts.size(),
                             log.robots.size()),
@@ -114,48 +155,102 @@ Mission FromLogs(const MapCommand& command, const Registry& types, MapReport* re
                            Seconds(clock.Elapsed().wall), did.found, did.searches, did.rejected,
                            did.overlaps));
   const std::set<std::uint32_t> pieces(did.piece_of_robot.begin(), did.piece_of_robot.end());
-  if (pieces.size() > 1)
+  if (pieces.size() > 1 && command.gnss.empty())
     report->warnings.push_back(fmt::format(
         "the robots never met: {} maps that lie on each other by chance", pieces.size()));
   AddRelations(command, log, built.world_from_scan, report);
+  RobotTracks tracks(log.robots.size());
+  for (std::size_t i = 0; i < log.scans.size(); ++i)
+    tracks[log.scans[i].robot].push_back({log.scans[i].time, built.world_from_scan[i]});
   Mission mission{std::move(log), std::move(built.graph), {}};
+  mission.starts = options.starts;
   for (const FrontEndNode& node : built.nodes)
     mission.nodes.push_back({mission.graph.Find(node.key), node.scan});
   std::stable_sort(mission.nodes.begin(), mission.nodes.end(),
                    [&](const MissionNode& a, const MissionNode& b) {
                      return mission.TimeOf(a) < mission.TimeOf(b);
                    });
+  if (!command.gnss.empty()) Georeference(command, fixes, std::move(tracks), &mission, report);
   return mission;
 }
 
 }  // namespace
 
-Mission LoadMission(const MapCommand& command, const Registry& types, MapReport* report,
-                    const Console& console) {
-  const auto is_g2o = [](const std::string& file) { return Ending(file) == ".g2o"; };
-  const bool has_graph = std::any_of(command.logs.begin(), command.logs.end(), is_g2o);
-  if (has_graph && command.logs.size() > 1)
-    throw Error("a .g2o file with scans is a mission by itself: it goes with no other log",
-                ErrorKind::kUsage);
-  if (has_graph && !command.relations.empty())
-    throw Error("--relations needs logs with times, not a .g2o file", ErrorKind::kUsage);
-  if (has_graph && command.keep_poses)
-    throw Error("--keep-poses is for logs; the poses of a .g2o file are its graph's",
-                ErrorKind::kUsage);
-  report->title = std::filesystem::path(command.logs.front()).filename().string();
+LoadedMission LoadMission(const MapCommand& command, const Registry& types, MapReport* report,
+                          const Console& console) {
+  const std::string& first = command.logs.front();
+  const auto is = [](const char* ending) {
+    return [ending](const std::string& file) { return Ending(file) == ending; };
+  };
+  const auto count = [&](const auto& what) {
+    return std::count_if(command.logs.begin(), command.logs.end(), what);
+  };
+  const auto graphs = count(is(".g2o")), sequences = count(is(".pgseq"));
+  const auto recorded = count(IsRecordedMission);
+  const auto refuse = [](const std::string& why) { throw Error(why, ErrorKind::kUsage); };
+  if (recorded > 0 && command.logs.size() > 1) refuse("a recorded mission goes with no other log");
+  if (sequences > 0 && (sequences > 1 || graphs != 1))
+    refuse("a .pgseq file goes with one .g2o file that has its scans");
+  if (graphs > 0 && command.logs.size() > static_cast<std::size_t>(1 + sequences))
+    refuse("a .g2o file with scans is a mission by itself: it goes with no other log");
+  const bool is_log = graphs + recorded == 0;
+  for (const auto& [given, option] : {std::pair(!command.relations.empty(), "--relations"),
+                                      std::pair(!command.laser_offsets.empty(), "--laser-offset"),
+                                      std::pair(!command.starts.empty(), "--start"),
+                                      std::pair(command.gnss == "log", "--gnss log")})
+    if (given && !is_log) refuse(std::string(option) + " needs logs, not a mission with a graph");
+  if (!command.antenna.empty() && command.gnss.empty()) refuse("--antenna goes with --gnss");
+
+  report->title = TitleOf(first);
   if (command.logs.size() > 1)
     report->title += fmt::format(" and {} more", command.logs.size() - 1);
-  Mission mission = has_graph            ? FromG2o(command, types, console)
-                    : command.keep_poses ? Placed(command, types, report)
-                                         : FromLogs(command, types, report, console);
+  LoadedMission loaded{{{}, Graph(types), {}}, {}, {}};
+  Mission& mission = loaded.mission;
+  if (recorded > 0) {
+    loaded.recorded = OpenRecordedMission(first);
+    mission = ReadRecordedMission(*loaded.recorded, types);
+    if (!loaded.recorded->index.title.empty()) report->title = loaded.recorded->index.title;
+  } else if (graphs > 0) {
+    const auto file = std::find_if(command.logs.begin(), command.logs.end(), is(".g2o"));
+    mission = FromG2o(*file, command, types, console);
+  } else {
+    mission = command.keep_poses ? Placed(command, types, report)
+                                 : FromLogs(command, types, report, console);
+  }
+  if (sequences > 0) {
+    const auto file = std::find_if(command.logs.begin(), command.logs.end(), is(".pgseq"));
+    loaded.sequence = ParsePoseSequence(ReadFile(*file), *file);
+    mission = CutIntoRobots(std::move(mission), *loaded.sequence, *file);
+  }
   if (mission.nodes.empty())
-    throw Error(command.logs.front() + ": there are no scans to make a map of", ErrorKind::kOther);
+    throw Error(first + ": there are no scans to make a map of", ErrorKind::kOther);
+  if (!is_log && !command.gnss.empty()) {
+    // Its own graphs are of another world: they are made anew.
+    loaded.sequence.reset();
+    loaded.recorded.reset();
+    mission.graph.SetValues(
+        InitialiseAndSolve(&mission.graph, InitialGuess::kAutomatic, true, {}).solution.values);
+    Georeference(command, {}, TracksOfNodes(mission), &mission, report);
+  }
+  if (!mission.datum) mission.datum = DatumOf(mission.graph);
   report->facts.emplace_back("robots", std::to_string(mission.log.robots.size()));
   report->facts.emplace_back(
       "nodes", fmt::format("{} with a scan, over {}", ReadableCount(mission.nodes.size()),
                            ReadableSeconds(mission.TimeOf(mission.nodes.back()) -
                                            mission.TimeOf(mission.nodes.front()))));
-  return mission;
+  return loaded;
+}
+
+std::unique_ptr<GraphSequence> SequenceOf(const LoadedMission& loaded, const MapCommand& command,
+                                          const Registry& types) {
+  const Mission& mission = loaded.mission;
+  if (loaded.recorded)
+    return std::make_unique<RecordedSequence>(
+        *loaded.recorded, types, mission.TimeOf(mission.nodes.front()), command.every_s);
+  const double every_s = command.every_s > 0 ? command.every_s : kEveryS;
+  if (loaded.sequence)
+    return std::make_unique<PoseSequenceReplay>(mission, *loaded.sequence, every_s);
+  return std::make_unique<MissionReplay>(mission, every_s);
 }
 
 }  // namespace graticule::apps

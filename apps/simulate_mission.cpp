@@ -5,11 +5,32 @@
 #include "graticule/io/carmen.hpp"
 #include "graticule/io/problem_file.hpp"
 #include "graticule/io/trajectory.hpp"
-#include "graticule/problems/mapping/simulate.hpp"
+#include "graticule/problems/mapping/georeference.hpp"
+#include "graticule/problems/mapping/mission_replay.hpp"
+#include "graticule/problems/mapping/simulate_gnss.hpp"
 #include "output_folder.hpp"
 #include "problem.hpp"
+#include "recorded_folder.hpp"
 
 namespace graticule::apps {
+namespace {
+
+constexpr double kFixEveryS = 5;
+
+void Record(const Mission& mission, const std::string& title, const std::string& made_by,
+            const OutputFolder& folder, const Console& console) {
+  MissionRecorder recorder(folder, title, made_by);
+  MissionReplay replay(mission, kEveryS);
+  MissionStep step;
+  while (replay.Next(&step)) {
+    console.Progress(fmt::format("{} of {} nodes", step.nodes, mission.nodes.size()));
+    recorder.Keep(step, replay.Problem());
+  }
+  console.Progress("");
+  recorder.Finish(mission, step);
+}
+
+}  // namespace
 
 int Run(const SimulateMissionCommand& command, const Console& console) {
   MissionOptions options;
@@ -32,6 +53,11 @@ int Run(const SimulateMissionCommand& command, const Console& console) {
     folder.Write("truth." + name + ".tum", FormatTum(truth));
   }
   WriteOccupancy(simulated.town.grid, folder.Of("truth"));
+  if (command.gnss_sigma_m > 0)
+    folder.Write("gnss.csv",
+                 FormatGnss(SimulateGnss(
+                     simulated, ParseDatum(command.datum), kFixEveryS, command.gnss_sigma_m,
+                     static_cast<std::size_t>(command.bad_fixes), command.seed)));
   Recording recording(mission.graph.Types());
   recording.graph = mission.graph;
   recording.title = fmt::format("{} robots in a simulated town", options.robots);
@@ -39,6 +65,7 @@ int Run(const SimulateMissionCommand& command, const Console& console) {
       MadeBy(fmt::format("simulate-mission --shape {} --robots {} --minutes {} --seed {}",
                          command.shape, options.robots, options.duration_s / 60, command.seed));
   WriteProblem(folder.Of("graph.fg"), recording, {});
+  if (command.record) Record(mission, recording.title, recording.made_by, folder, console);
   console.Note(fmt::format("{}: {} robots, {} scans, {} nodes", command.output, options.robots,
                            mission.log.scans.size(), mission.nodes.size()));
   return kDone;
