@@ -12,8 +12,8 @@
 #include "graticule/io/file.hpp"
 #include "graticule/io/readable.hpp"
 #include "graticule/problems/mapping/front_end.hpp"
-#include "graticule/problems/mapping/placed_mission.hpp"
 #include "graticule/problems/mapping/mission_replay.hpp"
+#include "graticule/problems/mapping/placed_mission.hpp"
 #include "graticule/problems/mapping/pose_sequence_replay.hpp"
 #include "graticule/problems/mapping/relation_error.hpp"
 #include "graticule/problems/pose_graph/initialise_and_solve.hpp"
@@ -123,7 +123,11 @@ Mission Placed(const MapCommand& command, const Registry& types, MapReport* repo
   if (!command.starts.empty())
     throw Error("--keep-poses takes where robots begin from the logs: it goes with no --start",
                 ErrorKind::kUsage);
-  LaserLog log = ReadLogs(command, report);
+  if (!command.gnss.empty())
+    throw Error("--keep-poses draws the map where the logs say: it goes with no --gnss",
+                ErrorKind::kUsage);
+  std::vector<GnssFix> none;
+  LaserLog log = ReadLogs(command, report, &none);
   std::vector<PlanarPose> poses;
   for (const LaserScan& scan : log.scans) poses.push_back(scan.odom_from_robot);
   AddRelations(command, log, poses, report);

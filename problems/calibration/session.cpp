@@ -32,7 +32,7 @@ CameraIntrinsics AsModel(const Registry& types, const Detections& detections,
   for (const TargetView& view : detections.views)
     for (const DetectedCorner& corner : view.corners)
       pixels.emplace_back(corner.pixel[0], corner.pixel[1]);
-  return FitModel(types, Camera(camera), pixels, model);
+  return FitModel(types, Camera(camera), pixels, model).camera;
 }
 
 }  // namespace
