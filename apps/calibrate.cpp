@@ -251,7 +251,7 @@ void Record(const CalibrateCommand& command, const Registry& types, const Detect
   const Calibration& solved = answer.Solved();
   Recording recording(types);
   recording.graph = BuildCalibration(types, detections, solved.state, solved.use,
-                                     answer.selection.options, solved.sigma_px);
+                                     answer.selection.options, solved.weight_sigma_px);
   recording.title = "calibration: " + Described(detections);
   recording.made_by = MadeBy("calibrate");
   WriteProblem(command.record, recording, {});

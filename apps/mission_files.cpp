@@ -201,6 +201,7 @@ LoadedMission LoadMission(const MapCommand& command, const Registry& types, MapR
   for (const auto& [given, option] : {std::pair(!command.relations.empty(), "--relations"),
                                       std::pair(!command.laser_offsets.empty(), "--laser-offset"),
                                       std::pair(!command.starts.empty(), "--start"),
+                                      std::pair(command.keep_poses, "--keep-poses"),
                                       std::pair(command.gnss == "log", "--gnss log")})
     if (given && !is_log) refuse(std::string(option) + " needs logs, not a mission with a graph");
   if (!command.antenna.empty() && command.gnss.empty()) refuse("--antenna goes with --gnss");

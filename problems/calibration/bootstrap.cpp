@@ -38,11 +38,19 @@ CalibrationState SolveCamera(const Registry& types, const Detections& detections
   CalibrationOptions first = options;
   first.model = guesses.front().camera.model;
   first.board = BoardShape::kFlat;
-  // Views that the guess did not look at may lie where it knows nothing yet: generous first.
-  for (const double factor : {30.0, 10.0}) {
+  // Views that the guess did not look at may lie where it knows nothing yet: generous first, and
+  // again as long as more of them are explained.
+  std::size_t placed = 0;
+  for (int round = 0; round < 6; ++round) {
+    const double factor = round == 0 ? 30 : 10;
     PlaceTargets(detections, std::max(3.0, factor * guesses.front().median_px), &state);
     first.camera_priors = {FirstPrior(state.cameras[0], 25)};
     state = RefineCalibration(types, detections, state, first).state;
+    const auto count = static_cast<std::size_t>(
+        std::count_if(state.rig_from_target.begin(), state.rig_from_target.end(),
+                      [](const auto& pose) { return pose.has_value(); }));
+    if (round > 0 && count <= placed) break;
+    placed = count;
   }
   return state;
 }

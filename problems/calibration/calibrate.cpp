@@ -311,12 +311,15 @@ Calibration RefineCalibration(const Registry& types, const Detections& detection
   double sigma = options.sigma_px > 0 ? options.sigma_px : RobustSigma(residuals);
   // At first whatever the start can predict counts, unless it is far beyond the others: a start is
   // not yet near enough to judge by.
-  result.use = Near(residuals, sigma, 10 * options.outlier_sigmas);
+  constexpr double kGenerous = 30;  // px
+  result.use = Near(residuals, std::max(sigma, kGenerous / options.outlier_sigmas / 10),
+                    10 * options.outlier_sigmas);
   for (int round = 0; round < kRounds; ++round) {
     DropUnseen(detections, result.use, &result.state);
     const Graph graph =
         BuildCalibration(types, detections, result.state, result.use, options, sigma);
     Solution solution = Solve(graph, options.solve);
+    result.weight_sigma_px = sigma;
     result.state = ReadBackCalibration(graph, solution.values, std::move(result.state));
     result.report = std::move(solution.report);
     residuals = AllResiduals(result.state, detections);

@@ -73,6 +73,7 @@ struct Calibration {
   double rms_px = 0, worst_px = 0;    ///< of the distance of a corner from where it is predicted
   double sigma_px = 0;                ///< of either coordinate of a corner, from the residuals:
                                       ///< sqrt(sum / (2 corners - freedoms))
+  double weight_sigma_px = 0;         ///< what the last solve took it for
   Report report;                      ///< of the last solve
 };
 

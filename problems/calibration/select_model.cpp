@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <thread>
 
 #include "graticule/factors/camera_model.hpp"
@@ -161,17 +162,25 @@ ModelSelection SelectModel(const Registry& types, const Detections& detections,
 
   ModelSelection selection;
   selection.options = options;
+  // With two models that differ in kind: a target's shape must not make up for what one of them
+  // lacks.
   std::vector<Candidate> shapes;
   for (const BoardShape board : boards) {
-    first.board = board;
-    shapes.push_back(Try(types, judges, judged, first));
+    std::optional<Candidate> best;
+    for (const char* model : {"angular4", "brown5"}) {
+      first.board = board;
+      first.model = model;
+      Candidate candidate = Try(types, judges, judged, first);
+      if (!best || Score(candidate.trial) < Score(best->trial)) best = std::move(candidate);
+    }
+    shapes.push_back(std::move(*best));
   }
   std::size_t best_shape = 0;
   for (std::size_t i = 1; i < shapes.size(); ++i) {
     ModelTrial& against = shapes[i].trial;
     Compare(shapes[best_shape], &shapes[i]);
-    if (against.failure.empty() && against.difference_px < -against.standard_error_px)
-      best_shape = i;
+    const double news = std::max(against.standard_error_px, 0.02 * Score(shapes[best_shape].trial));
+    if (against.failure.empty() && against.difference_px < -news) best_shape = i;
   }
   for (const Candidate& shape : shapes) selection.shapes.push_back(shape.trial);
   if (!boards.empty()) {
