@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 
 #include "graticule/factors/make.hpp"
+#include "graticule/problems/mapping/live_map.hpp"
 #include "graticule/problems/mapping/loop_search.hpp"
 #include "graticule/problems/mapping/pose_noise.hpp"
 #include "graticule/problems/mapping/scan_track.hpp"
+#include "graticule/problems/mapping/sight_conflict.hpp"
 #include "graticule/problems/pose_graph/consistency.hpp"
 #include "graticule/problems/pose_graph/robustify.hpp"
 #include "graticule/solver/error.hpp"
@@ -21,6 +24,12 @@ namespace {
 constexpr double kFirstWindow = 2;         // m
 constexpr std::size_t kSettled = 50;       // fewer than one closure in so many is new: look farther
 constexpr std::size_t kLeastMeetings = 4;  // that agree, for two robots to be joined
+
+// What must not speak against a meeting: how far to either side of the way, and seen how far, is
+// compared, and the share of walls there that the other robot saw through (of simulated robots, at
+// most 0.15 at true meetings, and above 0.2 at a sixth of the false ones).
+constexpr double kSightWay = 8, kSightRange = 12, kSightCell = 0.2;  // m
+constexpr double kMostConflict = 0.2;
 
 class Builder {
  public:
@@ -195,11 +204,46 @@ class Builder {
     }
   }
 
+  // What a robot saw about a node, in the node's frame.
+  std::shared_ptr<const OccupancyMap> SightAt(std::uint32_t node) const {
+    LiveMapOptions options;
+    options.method = MapMethod::kNaive;
+    options.resolution = kSightCell;
+    options.ranges.max_range = kSightRange;
+    LiveMap map(options);
+    const PlanarPose node_from_world = Inverse(poses_[node]);
+    for (std::size_t i = first_node_[nodes_[node].robot]; i < first_node_[nodes_[node].robot + 1];
+         ++i) {
+      if (std::abs(nodes_[i].travelled - nodes_[node].travelled) > kSightWay) continue;
+      const LaserScan& scan = log_.scans[nodes_[i].scan];
+      map.AddNode(0, log_.GeometryOf(scan), log_.RangesOf(scan), node_from_world * poses_[i]);
+    }
+    map.Update();
+    return map.Map();
+  }
+
+  // Without those where one robot saw through what the other saw a wall at.
+  std::vector<Closure> WithoutConflicts(const std::vector<Closure>& meetings) const {
+    std::map<std::uint32_t, std::shared_ptr<const OccupancyMap>> sights;
+    const auto sight = [&](std::uint32_t node) -> const OccupancyMap& {
+      std::shared_ptr<const OccupancyMap>& map = sights[node];
+      if (!map) map = SightAt(node);
+      return *map;
+    };
+    std::vector<Closure> clean;
+    for (const Closure& meeting : meetings) {
+      const SightConflict conflict =
+          ConflictOf(sight(meeting.a), sight(meeting.b), meeting.a_from_b);
+      if (conflict.Share() <= kMostConflict) clean.push_back(meeting);
+    }
+    return clean;
+  }
+
   // Robots whose starts nobody knows: meetings that agree with each other join them.
   void Join(LoopSearch* search) {
     while (Pieces() > 1) {
       Tell("joining robots", 1 / static_cast<double>(Pieces()));
-      const std::vector<Closure> found = search->Meetings(poses_);
+      const std::vector<Closure> found = WithoutConflicts(search->Meetings(poses_));
       if (found.empty()) return;
       std::vector<Closure> all = believed_;
       all.insert(all.end(), found.begin(), found.end());
