@@ -55,7 +55,7 @@ ImageField HeightField(const BoardPicture& picture, const Frame& frame) {
         sum += weight * 1e3 * corner.dz;
         weights += weight;
       }
-      field.values.push_back(nearest < 2 ? sum / weights : kNotKnown);
+      field.values.push_back(nearest < 3 ? sum / weights : kNotKnown);
     }
   return field;
 }
@@ -69,13 +69,16 @@ std::string DrawBoard(const BoardPicture& picture) {
     return svg.Finish();
   }
   const Frame frame(picture.corners);
-  double squares = 0, along = 0, least = HUGE_VAL, largest = -HUGE_VAL;
+  double squares = 0, least = HUGE_VAL, largest = -HUGE_VAL;
+  std::vector<double> lengths;
   for (const BoardPicture::Corner& corner : picture.corners) {
     squares += corner.dz * corner.dz;
-    along = std::max(along, std::hypot(corner.dx, corner.dy));
+    lengths.push_back(std::hypot(corner.dx, corner.dy));
     least = std::min(least, corner.dz);
     largest = std::max(largest, corner.dz);
   }
+  std::sort(lengths.begin(), lengths.end());
+  const double typical = lengths[(lengths.size() - 1) * 9 / 10], along = lengths.back();
   const std::string subtitle =
       "heights from " + ReadableNumber(1e3 * least, 3) + " to " + ReadableNumber(1e3 * largest, 3) +
       " mm, root mean square " +
@@ -90,13 +93,15 @@ std::string DrawBoard(const BoardPicture& picture) {
   const ContourLevels levels = ChooseLevels(field);
   panel.Open(std::nullopt, &svg);
   DrawContours(field, levels, panel, &svg);
-  // The longest arrow is as long as corners are apart.
+  // Nine of ten arrows are shorter than corners are apart; none is longer than twice that.
   const double stretch =
-      along > 0 ? plot::RoundDown(std::max(0.8 * frame.spacing / along, 1e-6)) : 0;
+      typical > 0 ? plot::RoundDown(std::max(0.8 * frame.spacing / typical, 1e-6)) : 0;
   PathData dots(1), arrows(1);
   for (const BoardPicture::Corner& corner : picture.corners) {
     const ImagePoint at = frame.At(corner.x, corner.y);
-    const ImagePoint to = frame.At(corner.x + stretch * corner.dx, corner.y + stretch * corner.dy);
+    const double length = stretch * std::hypot(corner.dx, corner.dy);
+    const double drawn = stretch * std::min(1.0, 2 * frame.spacing / std::max(length, 1e-300));
+    const ImagePoint to = frame.At(corner.x + drawn * corner.dx, corner.y + drawn * corner.dy);
     dots.Dot(panel.X(at.x), panel.Y(at.y));
     arrows.Segment(panel.X(at.x), panel.Y(at.y), panel.X(to.x), panel.Y(to.y));
   }

@@ -43,8 +43,9 @@ std::string DrawDistortion(const DistortionCurve& curve) {
   // Lenses of theory, as far as they stay on the chart.
   const auto add = [&](const char* name, double (*radius)(double)) {
     Curve lens{name, {}};
-    for (int i = 0; i <= 90; ++i) {
-      const double degrees = widest * i / 90, r = curve.focal_px * radius(degrees * M_PI / 180);
+    constexpr int kSteps = 400;
+    for (int i = 0; i <= kSteps; ++i) {
+      const double degrees = widest * i / kSteps, r = curve.focal_px * radius(degrees * M_PI / 180);
       if (!(r >= 0 && r <= 1.15 * farthest) || degrees >= 179.9) break;
       lens.points.push_back({degrees, r});
     }

@@ -128,7 +128,7 @@ ContourLevels ChooseLevels(const ImageField& field) {
       for (int e = static_cast<int>(std::floor(std::log10(least))); std::pow(10, e) <= high; ++e)
         for (const double lead : leads) {
           const double value = lead * std::pow(10, e);
-          if (value > least && value < high) levels.values.push_back(value);
+          if (value > 1.03 * least && value < 0.97 * high) levels.values.push_back(value);
         }
       if (levels.values.size() <= kMost) break;
     }

@@ -45,16 +45,18 @@ std::string DrawCoverage(const CoveragePicture& picture) {
   DrawPictureTitle(picture.title, "", kWidth, &svg);
   panel.Open(picture.image, &svg);
   PathData outlines(1), dots(1);
+  // Many views must not add up to one colour.
+  const double share = std::min(1.0, 24 / static_cast<double>(picture.outlines.size() + 1));
   for (const ImageLine& outline : picture.outlines) {
     PathData path(1);
     panel.AddLine(outline, true, &path);
     plot::Attributes fill = plot::SeriesFill(0);
-    fill.emplace_back("fill-opacity", "0.05");
+    fill.emplace_back("fill-opacity", SvgNumber(0.05 * share));
     svg.Path(path, fill);
     panel.AddLine(outline, true, &outlines);
   }
   plot::Attributes thin = plot::SeriesStroke(0, 0.8);
-  thin.emplace_back("stroke-opacity", "0.5");
+  thin.emplace_back("stroke-opacity", SvgNumber(0.1 + 0.4 * share));
   svg.Path(outlines, thin);
   const std::size_t every = picture.corners.size() / kMostDots + 1;
   for (std::size_t i = 0; i < picture.corners.size(); i += every)
@@ -71,9 +73,15 @@ std::string DrawCoverage(const CoveragePicture& picture) {
     stroke.emplace_back("stroke-dasharray", "5 3");
     svg.Path(path, stroke);
   }
-  for (const CoveragePicture::Ring& ring : picture.rings)
-    if (const ImagePoint* place = LabelPlace(ring, picture))
-      panel.Label(*place, ReadableNumber(ring.angle_deg, 3) + "°", &svg);
+  const ImagePoint* last = nullptr;
+  for (const CoveragePicture::Ring& ring : picture.rings) {
+    const ImagePoint* place = LabelPlace(ring, picture);
+    if (!place) continue;
+    // Rings crowd together where the lens ends.
+    if (last && std::hypot(place->x - last->x, place->y - last->y) * panel.Scale() < 34) continue;
+    panel.Label(*place, ReadableNumber(ring.angle_deg, 3) + "°", &svg);
+    last = place;
+  }
   if (!picture.rings.empty()) {
     const double x = panel.X(picture.centre.x), y = panel.Y(picture.centre.y);
     PathData cross(1);

@@ -22,9 +22,9 @@ void ImagePanel::Open(const std::optional<GreyImage>& image, Svg* svg) const {
                     {"viewBox", "0 0 " + SvgNumber(Width()) + " " + SvgNumber(Height())}});
   svg->Rect(0, 0, Width(), Height(), plot::Paper());
   if (!image || image->shades.empty()) return;
-  // Twice the panel's pixels, for screens that have them.
-  const GreyImage shown = ShrinkImage(*image, static_cast<std::size_t>(std::ceil(2 * Width())),
-                                      static_cast<std::size_t>(std::ceil(2 * Height())));
+  // More than the panel's pixels, for screens that have them.
+  const GreyImage shown = ShrinkImage(*image, static_cast<std::size_t>(std::ceil(1.5 * Width())),
+                                      static_cast<std::size_t>(std::ceil(1.5 * Height())));
   svg->Element("image", {{"width", SvgNumber(Width())},
                          {"height", SvgNumber(Height())},
                          {"preserveAspectRatio", "none"},

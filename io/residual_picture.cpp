@@ -168,6 +168,29 @@ std::string DrawResidualHistogram(const std::vector<CornerResidual>& corners, do
   return DrawCurves(chart);
 }
 
+namespace {
+
+// Long names without what all of them begin with, up to the last sign between words.
+std::size_t CommonBeginning(const std::vector<ViewBar>& views) {
+  constexpr std::size_t kLong = 14;
+  if (views.size() < 2) return 0;
+  const std::string& first = views[0].name;
+  std::size_t common = first.size(), longest = 0;
+  for (const ViewBar& view : views) {
+    longest = std::max(longest, view.name.size());
+    const auto end = std::mismatch(
+        first.begin(),
+        first.begin() + static_cast<std::ptrdiff_t>(std::min(common, view.name.size())),
+        view.name.begin());
+    common = static_cast<std::size_t>(end.first - first.begin());
+  }
+  if (longest <= kLong) return 0;
+  const std::size_t sign = first.substr(0, common).find_last_of("-_./ ");
+  return sign == std::string::npos ? 0 : sign + 1;
+}
+
+}  // namespace
+
 std::string DrawViewBars(const std::vector<ViewBar>& views) {
   constexpr double kHeight = 180, kTop = 58;
   double largest = 0;
@@ -179,12 +202,13 @@ std::string DrawViewBars(const std::vector<ViewBar>& views) {
     held_out = held_out || std::isfinite(view.held_out_px);
     longest = std::max(longest, view.name.size());
   }
+  const std::size_t common = CommonBeginning(views);
   const plot::Axis axis = plot::LinearAxis(0, largest > 0 ? largest : 1, 5);
   const double left = 58, right = kWidth - kMargin;
   const double step = (right - left) / static_cast<double>(std::max<std::size_t>(views.size(), 1));
   const bool named = step >= 13;
   const double below =
-      named ? std::min(150.0, 12 + plot::TextWidth(std::string(longest, 'x'), 10)) : 24;
+      named ? std::min(150.0, 12 + plot::TextWidth(std::string(longest - common, 'x'), 10)) : 24;
   const double bottom = kTop + kHeight;
 
   Svg svg(kWidth, bottom + below + 14, "Error of each view");
@@ -222,7 +246,7 @@ std::string DrawViewBars(const std::vector<ViewBar>& views) {
     plot::Attributes turned = plot::SoftInk(10, "end");
     turned.emplace_back(
         "transform", "rotate(-90 " + SvgNumber(middle + 3.5) + " " + SvgNumber(bottom + 8) + ")");
-    svg.Text(middle + 3.5, bottom + 8, plot::Shorten(view.name, below, 10), turned);
+    svg.Text(middle + 3.5, bottom + 8, plot::Shorten(view.name.substr(common), below, 10), turned);
   }
   svg.Rect(left, kTop, right - left, kHeight, plot::Frame());
   if (!named)

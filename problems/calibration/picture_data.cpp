@@ -115,7 +115,7 @@ void AddExpectedErrors(const Detections& detections, const Calibration& calibrat
                        std::size_t index, const Camera& camera, const DescribeOptions& options,
                        CameraReport* report) {
   const Eigen::MatrixXd covariance = options.posterior->OfCamera(index);
-  const ImageField nodes = EmptyField(camera.Width(), camera.Height(), 49);
+  const ImageField nodes = EmptyField(camera.Width(), camera.Height(), 65);
   std::vector<EreGauge> gauges = {options.ere.gauge};
   for (const EreGauge gauge : {EreGauge::kRotationCompensated, EreGauge::kRaw})
     if (gauge != options.ere.gauge && gauges.size() < 2) gauges.push_back(gauge);
@@ -137,7 +137,12 @@ void AddExpectedErrors(const Detections& detections, const Calibration& calibrat
       report->max_ere_px = worst->ere_px;
       report->max_ere_at = {worst->pixel.x(), worst->pixel.y()};
     }
-    report->max_ere_variants.emplace_back(report->maps.back().subtitle, worst->ere_px);
+    const auto over = [&](int columns, int rows) {
+      return report->maps.back().subtitle + "; over " + std::to_string(columns) + " x " +
+             std::to_string(rows) + " pixels";
+    };
+    report->max_ere_variants.emplace_back(over(coarse.columns, coarse.rows), worst->ere_px);
+    report->max_ere_variants.emplace_back(over(map.columns, map.rows), map.MaxPx());
   }
   EreMap reached = EreGrid(camera, options.ere).Map(covariance);
   MarkReached(detections, index, calibration.use, &reached);
@@ -172,13 +177,11 @@ CameraReport DescribeCamera(const Detections& detections, const Calibration& cal
     report.distortion = DescribeDistortion(model, {});
   }
   report.coverage = DescribeCoverage(detections, camera, model);
-  for (const TargetView& view : detections.views) {
-    if (view.camera != camera) continue;
-    for (const DetectedCorner& corner : view.corners)
-      if (const auto ray = model.Unproject({corner.pixel[0], corner.pixel[1]}))
+  for (const ImageLine& outline : report.coverage.outlines)
+    for (const ImagePoint& pixel : outline)
+      if (const auto ray = model.Unproject({pixel.x, pixel.y}))
         report.distortion->seen_to_deg = std::max(
             report.distortion->seen_to_deg, kDegrees * std::acos(std::clamp(ray->z(), -1.0, 1.0)));
-  }
   report.undistortion =
       DescribeUndistortion(detections, camera, model, options.image, options.image_name);
   return report;

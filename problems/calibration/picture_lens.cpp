@@ -150,17 +150,16 @@ CrossSection DescribeSection(const Camera& camera, const Eigen::MatrixXd& covari
                              const EreOptions& options) {
   CrossSection section;
   const Eigen::Vector2d from = CentreOf(camera), to = FarthestCorner(camera);
-  constexpr int kSteps = 80;
+  constexpr int kSteps = 120;
   EreOptions raw = options;
   raw.gauge = EreGauge::kRaw;
   std::vector<EreOptions> kinds = {options};
   if (options.gauge != EreGauge::kRaw) kinds.push_back(raw);
   for (const EreOptions& kind : kinds) {
     Curve curve;
-    curve.name = kind.gauge == EreGauge::kRaw ? "expected, raw"
-                 : kind.gauge == EreGauge::kRotationCompensated
-                     ? "expected, the frame's rotation taken out"
-                     : "expected, the frame's motion taken out";
+    curve.name = kind.gauge == EreGauge::kRaw                   ? "expected, raw"
+                 : kind.gauge == EreGauge::kRotationCompensated ? "expected, rotation taken out"
+                                                                : "expected, motion taken out";
     for (int i = 0; i <= kSteps; ++i) {
       const Eigen::Vector2d pixel = from + (to - from) * i / kSteps;
       if (const auto error = EreAt(camera, covariance, pixel, kind))
@@ -191,7 +190,7 @@ Curve SectionOf(const CalibrationDifference& difference, const Camera& first,
   const ImageField& field = difference.field;
   const Eigen::Vector2d from = CentreOf(first), to = FarthestCorner(first);
   Curve curve{name, {}};
-  constexpr int kSteps = 80;
+  constexpr int kSteps = 120;
   for (int i = 0; i <= kSteps; ++i) {
     const Eigen::Vector2d pixel = from + (to - from) * i / kSteps;
     // Bilinear between the nodes.

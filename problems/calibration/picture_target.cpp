@@ -76,7 +76,7 @@ ImagePoint Rectified(const Camera& from, const CameraIntrinsics& to, const Image
 // The views whose rows are shown: the image's, or those with corners farthest from the centre.
 std::vector<const TargetView*> Shown(const Detections& detections, std::size_t camera,
                                      const Camera& model, const std::string& image_name) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMost = 2;
   std::vector<std::pair<double, const TargetView*>> views;
   for (const TargetView& view : detections.views) {
     if (view.camera != camera) continue;
@@ -139,10 +139,18 @@ UndistortionPicture DescribeUndistortion(const Detections& detections, std::size
   } else {
     AddGrid(model, view, &picture);
   }
+  // Unprojecting all corners of hundreds of views would take seconds.
+  const std::size_t every = detections.views.size() / 40 + 1;
+  std::size_t number = 0;
   Straightness before, after;
-  for (const TargetView* shown : Shown(detections, camera, model, image ? image_name : "")) {
-    if (image && shown->image != image_name) continue;
-    for (const ImageLine& row : RowsOf(*shown)) {
+  const std::vector<const TargetView*> shown =
+      Shown(detections, camera, model, image ? image_name : "");
+  for (const TargetView& view_of : detections.views) {
+    if (view_of.camera != camera) continue;
+    const bool is_shown = std::find(shown.begin(), shown.end(), &view_of) != shown.end() &&
+                          (!image || view_of.image == image_name);
+    if (number++ % every != 0 && !is_shown) continue;
+    for (const ImageLine& row : RowsOf(view_of)) {
       ImageLine straight;
       bool whole = true;
       for (const ImagePoint& pixel : row) {
@@ -153,6 +161,7 @@ UndistortionPicture DescribeUndistortion(const Detections& detections, std::size
         before.Add(row);
         after.Add(straight);
       }
+      if (!is_shown) continue;
       picture.before.marks.push_back(row);
       picture.after.marks.push_back(std::move(straight));
     }
@@ -162,7 +171,7 @@ UndistortionPicture DescribeUndistortion(const Detections& detections, std::size
                  ReadableNumber(options.widest_rad * 180 / M_PI, 2) + "° from the axis";
   // In the camera's pixels on both sides.
   if (after.count > 0)
-    picture.note += "; rows of corners (orange) are " + ReadableNumber(before.Rms(), 3) +
+    picture.note += "; rows of corners are " + ReadableNumber(before.Rms(), 3) +
                     " px from straight lines before, " + ReadableNumber(after.Rms() / shrink, 3) +
                     " px after";
   return picture;

@@ -67,6 +67,14 @@ double FocalForAll(const Camera& camera, const CameraIntrinsics& view, double wi
   return focal;
 }
 
+// Without the search that other models need.
+std::optional<Eigen::Vector3d> RayOf(const Camera& camera, double x, double y) {
+  const CameraIntrinsics& c = camera.Intrinsics();
+  if (c.model != "pinhole") return camera.Unproject({x, y});
+  return Eigen::Vector3d((x - c.parameters[2]) / c.parameters[0],
+                         (y - c.parameters[3]) / c.parameters[1], 1);
+}
+
 int CvType(int channels) { return CV_MAKETYPE(CV_8U, channels); }
 
 }  // namespace
@@ -115,7 +123,7 @@ Rectifier::Rectifier(const Camera& from, const Camera& to)
   const std::size_t threads = std::max(1u, std::thread::hardware_concurrency());
   ParallelFor(height_, threads, [&](std::size_t, std::size_t row) {
     for (std::size_t column = 0; column < width_; ++column) {
-      const auto ray = to.Unproject({static_cast<double>(column), static_cast<double>(row)});
+      const auto ray = RayOf(to, static_cast<double>(column), static_cast<double>(row));
       if (!ray) continue;
       const auto pixel = from.Project(*ray);
       if (!pixel || !Inside(from, *pixel)) continue;
