@@ -237,7 +237,9 @@ std::string Header(const CalibrationReport& report) {
   const char* css = report.verdict == CalibrationVerdict::kMet      ? "verdict good"
                     : report.verdict == CalibrationVerdict::kNotMet ? "verdict fair"
                                                                     : "verdict bad";
-  const char* word = report.verdict == CalibrationVerdict::kMet      ? "accurate enough"
+  const char* word = report.verdict == CalibrationVerdict::kMet && report.accuracy_px <= 0
+                         ? "calibrated"
+                     : report.verdict == CalibrationVerdict::kMet    ? "accurate enough"
                      : report.verdict == CalibrationVerdict::kNotMet ? "not accurate enough"
                                                                      : "not constrained";
   std::string header = "<h1>" + EscapeXml(report.title) + "</h1>\n";

@@ -58,7 +58,7 @@ struct CameraReport {
 };
 
 enum class CalibrationVerdict {
-  kMet,            ///< as accurate as was asked for
+  kMet,            ///< as accurate as was asked for, or nothing was asked for
   kNotMet,         ///< constrained, but not enough
   kUnconstrained,  ///< these views leave parameters open
 };

@@ -128,7 +128,7 @@ void Summarise(CalibrationDifference* difference) {
   difference->mean_px = std::accumulate(distances.begin(), distances.end(), 0.0) / count;
   difference->rms_px = std::sqrt(
       std::inner_product(distances.begin(), distances.end(), distances.begin(), 0.0) / count);
-  difference->percentile_995_px = distances[static_cast<std::size_t>(std::ceil(0.995 * count)) - 1];
+  difference->percentile_995_px = distances[static_cast<std::size_t>(0.995 * (count - 1))];
   difference->max_px = distances.back();
 }
 

@@ -31,6 +31,11 @@ struct DescribeOptions {
 CameraReport DescribeCamera(const Detections& detections, const Calibration& calibration,
                             std::size_t camera, const DescribeOptions& options = {});
 
+/// A whole report of a selected model: facts, verdict, advice (AdviseViews), errors, cameras,
+/// board, models.  Timings, a suggested pose and what else is known are the caller's to add.
+CalibrationReport DescribeCalibration(const Detections& detections, const ModelSelection& selection,
+                                      const DescribeOptions& options);
+
 /// A map of expected errors.
 ErrorMap DescribeEre(const EreMap& map, const Camera& camera, const EreOptions& options,
                      double accuracy_px);
