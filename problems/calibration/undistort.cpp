@@ -13,12 +13,12 @@ namespace {
 
 constexpr double kMostPixels = 1 << 28;
 
-// About eight pixels apart, all around.
-std::vector<Eigen::Vector2d> BorderOf(int width, int height) {
+// So many pixels apart, all around.
+std::vector<Eigen::Vector2d> BorderOf(int width, int height, double step) {
   std::vector<Eigen::Vector2d> border;
   const double right = width - 1.0, bottom = height - 1.0;
   const auto add = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    const int steps = std::max(1, static_cast<int>((b - a).norm() / 8));
+    const int steps = std::max(1, static_cast<int>((b - a).norm() / step));
     for (int i = 0; i < steps; ++i) border.push_back(a + (b - a) * i / steps);
   };
   add({0, 0}, {right, 0});
@@ -36,7 +36,7 @@ bool Inside(const Camera& camera, const Eigen::Vector2d& pixel) {
 // Where the view's border looks, all of it must be inside the camera's image.
 bool IsFilled(const Camera& camera, const CameraIntrinsics& view, double widest) {
   const std::vector<double>& p = view.parameters;
-  for (const Eigen::Vector2d& pixel : BorderOf(view.width, view.height)) {
+  for (const Eigen::Vector2d& pixel : BorderOf(view.width, view.height, 1)) {
     const Eigen::Vector3d ray((pixel.x() - p[2]) / p[0], (pixel.y() - p[3]) / p[1], 1);
     if (std::atan(ray.head<2>().norm()) > widest) return false;
     const auto image = camera.Project(ray);
@@ -50,7 +50,7 @@ double FocalForAll(const Camera& camera, const CameraIntrinsics& view, double wi
   const double cx = view.parameters[2], cy = view.parameters[3];
   double focal = HUGE_VAL;
   const double reach = std::min(widest, camera.MaxAngle());
-  for (const Eigen::Vector2d& pixel : BorderOf(camera.Width(), camera.Height())) {
+  for (const Eigen::Vector2d& pixel : BorderOf(camera.Width(), camera.Height(), 8)) {
     const std::vector<double>& p = camera.Intrinsics().parameters;
     const auto ray = camera.Unproject(pixel);
     const Eigen::Vector2d outward =
