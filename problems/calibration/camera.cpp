@@ -23,18 +23,23 @@ double LastAngle(const CameraModel& model, const std::vector<double>& parameters
                  const Eigen::Vector2d& direction) {
   const double end = model.sees_behind ? M_PI - kStep : M_PI / 2 - kStep;
   const Eigen::Vector2d outward(direction.x() * parameters[0], direction.y() * parameters[1]);
-  double by_point[6];
-  double pixel[2];
-  double angle = 0;
-  for (; angle < end; angle += kStep) {
+  const auto moves_outward = [&](double angle) {
+    double by_point[6];
+    double pixel[2];
     const Eigen::Vector3d ray = RayAt(angle, direction);
-    if (!model.project(parameters.data(), ray.data(), pixel, by_point, nullptr)) break;
+    if (!model.project(parameters.data(), ray.data(), pixel, by_point, nullptr)) return false;
     const Eigen::Vector3d sideways(std::cos(angle) * direction.x(), std::cos(angle) * direction.y(),
                                    -std::sin(angle));
     const Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> j(by_point);
-    if (!((j * sideways).dot(outward) > 0)) break;
-  }
-  return std::max(0.0, angle - kStep);
+    return (j * sideways).dot(outward) > 0;
+  };
+  // Long steps first, then short ones from the last that was good.
+  constexpr int kLong = 8;
+  const int last = static_cast<int>(end / kStep);
+  int at = 0;
+  while (at + kLong <= last && moves_outward((at + kLong) * kStep)) at += kLong;
+  while (at + 1 <= last && moves_outward((at + 1) * kStep)) ++at;
+  return at * kStep;
 }
 
 }  // namespace

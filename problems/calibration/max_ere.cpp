@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 
-#include "graticule/problems/random.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -106,6 +105,24 @@ void AddDistances(const std::vector<MovingPixel>& pixels, const MovedModel& move
   }
 }
 
+// A root of a matrix that may be singular; scaled, since units differ.
+Eigen::MatrixXd RootOf(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * covariance *
+                                                             inverse.asDiagonal());
+  return scale.asDiagonal() * eigen.eigenvectors() *
+         eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+}
+
+std::vector<double> Draw(const Camera& camera, const Eigen::MatrixXd& root, RandomNumbers* random) {
+  Eigen::VectorXd normal(root.cols());
+  for (double& value : normal) value = random->Normal();
+  std::vector<double> parameters = camera.Intrinsics().parameters;
+  Eigen::Map<Eigen::VectorXd>(parameters.data(), root.rows()) += root * normal;
+  return parameters;
+}
+
 }  // namespace
 
 double ExpectedLength(const Eigen::Matrix2d& covariance) {
@@ -195,26 +212,21 @@ EreMap SampledEre(const Camera& camera, const Eigen::MatrixXd& covariance,
   const std::vector<MovingPixel> pixels = MovingPixels(camera, options.columns, options.rows);
   const std::vector<MovingPixel> gauge =
       MovingPixels(camera, options.gauge_columns, options.gauge_rows);
-  // A root of a matrix that may be singular; scaled, since units differ.
-  const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * covariance *
-                                                             inverse.asDiagonal());
-  const Eigen::MatrixXd root = scale.asDiagonal() * eigen.eigenvectors() *
-                               eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd root = RootOf(covariance);
   EreMap map = EmptyMap(pixels, options);
   RandomNumbers random(seed);
-  const Eigen::Map<const Eigen::VectorXd> mean(camera.Intrinsics().parameters.data(),
-                                               model.parameters);
-  Eigen::VectorXd normal(model.parameters);
   for (int i = 0; i < samples; ++i) {
-    for (double& value : normal) value = random.Normal();
-    const Eigen::VectorXd parameters = mean + root * normal;
+    const std::vector<double> parameters = Draw(camera, root, &random);
     MovedModel moved{&model, parameters.data(), Eigen::Isometry3d::Identity(), RangeOf(options)};
     FitMotion(gauge, GaugeOf(options), &moved);
     AddDistances(pixels, moved, 1. / samples, &map);
   }
   return map;
+}
+
+std::vector<double> DrawnParameters(const Camera& camera, const Eigen::MatrixXd& covariance,
+                                    RandomNumbers* random) {
+  return Draw(camera, RootOf(covariance), random);
 }
 
 void MarkReached(const Detections& detections, std::size_t camera, const CornerUse& use,

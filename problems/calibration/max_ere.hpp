@@ -8,6 +8,7 @@
 
 #include "graticule/problems/calibration/calibrate.hpp"
 #include "graticule/problems/calibration/gauge.hpp"
+#include "graticule/problems/random.hpp"
 
 namespace graticule {
 
@@ -76,6 +77,10 @@ std::optional<double> EreAt(const Camera& camera, const Eigen::MatrixXd& covaria
 /// of has an infinite error.  Same seed, same digits.
 EreMap SampledEre(const Camera& camera, const Eigen::MatrixXd& covariance,
                   const EreOptions& options, int samples, std::uint64_t seed);
+
+/// Parameters drawn from a Gaussian around the camera's.
+std::vector<double> DrawnParameters(const Camera& camera, const Eigen::MatrixXd& covariance,
+                                    RandomNumbers* random);
 
 /// Says which pixels had a counted corner of a view of this camera nearer than `near` image
 /// diagonals.  Elsewhere an expected error is an extrapolation.

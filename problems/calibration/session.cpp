@@ -24,6 +24,22 @@ std::size_t Explained(const CalibrationState& state) {
                                                 [](const auto& pose) { return pose.has_value(); }));
 }
 
+// The distance from a corner to its nearest, in the middle of all.
+double Spacing(const std::vector<TargetCorner>& corners) {
+  std::vector<double> nearest;
+  for (const TargetCorner& a : corners) {
+    double least = HUGE_VAL;
+    for (const TargetCorner& b : corners)
+      if (a.id != b.id)
+        least = std::min(
+            least, std::hypot(a.in_target[0] - b.in_target[0], a.in_target[1] - b.in_target[1]));
+    nearest.push_back(least);
+  }
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return *middle;
+}
+
 // The camera of another model that looks like this one where corners were seen.
 CameraIntrinsics AsModel(const Registry& types, const Detections& detections,
                          const CameraIntrinsics& camera, const std::string& model) {
@@ -45,6 +61,9 @@ CalibrationSession::CalibrationSession(Registry types, TargetLayout target, Imag
   if (image.width <= 0 || image.height <= 0)
     throw Error("session: expected the size of the images", ErrorKind::kUsage);
   CameraModelOf(options_.calibration.model);
+  // As the calibration would have it, but the same for every frame.
+  if (!(options_.calibration.corner_sigma_m > 0))
+    options_.calibration.corner_sigma_m = Spacing(target_.corners) / 50;
   detections_.cameras = {std::move(image)};
 }
 

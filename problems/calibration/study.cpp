@@ -50,9 +50,9 @@ double Quantile(std::vector<double> values, double p) {
   return *at;
 }
 
-StudyFrame Measure(const CalibrationSession& session, const Camera& truth) {
+StudyFrame Measure(const CalibrationSession& session, const Camera& truth, RandomNumbers* random) {
   StudyFrame frame;
-  frame.true_max_px = frame.max_ere_px = frame.raw_max_ere_px = kNeverPx;
+  frame.true_max_px = frame.drawn_max_px = frame.max_ere_px = frame.raw_max_ere_px = kNeverPx;
   frame.test = {kNeverPx, kNeverPx, kNeverPx};
   if (!session.Solved()) return frame;
   frame.is_bootstrapping = session.IsBootstrapping();
@@ -66,12 +66,16 @@ StudyFrame Measure(const CalibrationSession& session, const Camera& truth) {
   options.columns = 25;
   options.rows = 19;
   frame.true_max_px = std::min(kNeverPx, ModelDifference(truth, found, options).MaxPx());
+  CameraIntrinsics drawn = found.Intrinsics();
+  drawn.parameters = DrawnParameters(found, session.Uncertainty()->OfCamera(0), random);
+  if (drawn.parameters[0] > 0 && drawn.parameters[1] > 0)
+    frame.drawn_max_px = std::min(kNeverPx, ModelDifference(found, Camera(drawn), options).MaxPx());
   return frame;
 }
 
 StudyTrial RunTrial(const StudyOptions& options, const Registry& types, const Camera& truth,
                     const SimulatedDetections& test_set, std::size_t number) {
-  RandomNumbers random(options.seed, number);
+  RandomNumbers random(options.seed, 2 * number), draws(options.seed, 2 * number + 1);
   CalibrationSession session(types, options.target,
                              {options.lens.camera.name, truth.Width(), truth.Height()},
                              options.session);
@@ -84,7 +88,7 @@ StudyTrial RunTrial(const StudyOptions& options, const Registry& types, const Ca
                        options.warp, options.session.suggest.detectability);
     AddPixelNoise(options.sigma_px, random, &corners);
     if (session.AddFrame(corners) == FrameVerdict::kTooFewCorners) continue;
-    trial.frames.push_back(Measure(session, truth));
+    trial.frames.push_back(Measure(session, truth, &draws));
     const bool is_last = trial.frames.size() == options.frames;
     if (session.Solved() && (options.test_every_frame || is_last))
       trial.frames.back().test = TestOn(test_set, session.Solved()->state.cameras[0]);

@@ -43,6 +43,9 @@ struct StudyFrame {
   double raw_max_ere_px = 0;
   /// Largest difference to the truth over a grid of 25 x 19 pixels, the rotation taken out.
   double true_max_px = 0;
+  /// The same difference to a camera that is drawn from the session's posterior: what true_max_px
+  /// is like where the posterior is right.
+  double drawn_max_px = 0;
   TestError test;  ///< where it was asked for
 };
 

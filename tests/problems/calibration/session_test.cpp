@@ -118,6 +118,16 @@ TEST(Session, TakesABoardAsBent) {
   EXPECT_TRUE(guided.session.Suggest());
 }
 
+TEST(Session, TakesABoardAsFree) {
+  SessionOptions options;
+  options.calibration.board = BoardShape::kFree;
+  Guided guided(2, options);
+  for (int i = 0; i < 4; ++i) guided.Follow();
+  EXPECT_EQ(guided.session.Uncertainty()->Covariance("corner:0").rows(), 3);
+  EXPECT_TRUE(guided.session.Suggest());
+  EXPECT_LT(guided.session.MaxEre().MaxPx(), 5);
+}
+
 TEST(Session, RefusesWhatItCannotWorkWith) {
   EXPECT_THROW(CalibrationSession(Builtins(), {}, {"", 640, 480}), Error);
   EXPECT_THROW(CalibrationSession(Builtins(), MosaicLayout(), {"", 0, 480}), Error);
