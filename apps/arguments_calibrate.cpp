@@ -14,6 +14,7 @@ void AddEvaluate(CLI::App* calibrate, Chosen* chosen) {
   sub->add_option("TEST", command->sources, "recorded detections, or images")->required();
   sub->add_option("--against", command->against,
                   "another camera file: how far the two are apart, after the best rotation");
+  sub->add_option("--plot", command->picture, "draw the difference over the image: .svg or .png");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
 }
 
@@ -52,6 +53,8 @@ void AddCalibrate(CLI::App* app, Chosen* chosen) {
   sub->add_option("--range", command->range_m,
                   "m, at which the error is expected; without it, at infinity")
       ->check(CLI::PositiveNumber);
+  sub->add_option("--report", command->report, "write a report: .html or .json");
+  sub->add_option("--pictures", command->pictures, "a folder for its pictures: SVG and PNG");
   sub->add_option("--record", command->record, "write the factor graph, solved: .fg");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
   AddReading(sub, &command->reading);

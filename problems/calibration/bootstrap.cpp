@@ -52,6 +52,10 @@ CalibrationState SolveCamera(const Registry& types, const Detections& detections
     if (round > 0 && count <= placed) break;
     placed = count;
   }
+  if (placed == 0)
+    throw Error("camera " + name + ": no view of it is explained by any camera; do the corners' " +
+                    "places on the target, and their order, belong to it?",
+                ErrorKind::kIllPosed);
   return state;
 }
 

@@ -8,6 +8,7 @@
 
 #include "graticule/factors/camera_model.hpp"
 #include "graticule/problems/calibration/bootstrap.hpp"
+#include "graticule/problems/calibration/first_guess.hpp"
 #include "graticule/problems/mapping/parallel_for.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 
 constexpr int kFolds = 5;
 constexpr std::size_t kJudges = 40;  // exposures
+constexpr std::size_t kFewest = 3;   // exposures that can judge
 
 // Exposures evenly through the detections, numbered anew.
 Detections Some(const Detections& detections) {
@@ -133,6 +135,35 @@ void ScoreEvidence(const Detections& detections, std::vector<Candidate>* candida
   for (Candidate& candidate : *candidates) candidate.trial.bic -= best;
 }
 
+// Too few to leave one out: the restricted model of the thesis (section 5.2), held by a prior.
+ModelSelection OfFewViews(const Registry& types, const Detections& detections,
+                          const Calibration& start, const CalibrationOptions& options,
+                          const std::vector<std::string>& models,
+                          const std::vector<BoardShape>& boards) {
+  ModelSelection selection;
+  selection.options = options;
+  selection.options.model = models.size() == 1 ? models.front() : "angular1";
+  selection.options.board = boards.size() == 1 ? boards.front() : BoardShape::kFlat;
+  CalibrationOptions held = selection.options;
+  if (selection.options.model == "angular1")
+    for (const CameraIntrinsics& camera : start.state.cameras) {
+      CameraIntrinsics restricted = camera;
+      restricted.model = "angular1";
+      restricted.parameters.resize(5);
+      held.camera_priors.push_back(FirstPrior(restricted, 5));
+    }
+  selection.calibration = ChangeModel(types, detections, start.state, held);
+  ModelTrial trial;
+  trial.model = selection.options.model;
+  trial.board = selection.options.board;
+  trial.parameters = CameraModelOf(trial.model).parameters;
+  trial.converged = selection.calibration.report.termination == Termination::kConverged;
+  trial.rms_px = selection.calibration.rms_px;
+  trial.failure = "too few views to leave one out";
+  selection.trials = {trial};
+  return selection;
+}
+
 }  // namespace
 
 const char* BoardShapeName(BoardShape board) {
@@ -162,6 +193,13 @@ ModelSelection SelectModel(const Registry& types, const Detections& detections,
 
   ModelSelection selection;
   selection.options = options;
+  const auto placed = static_cast<std::size_t>(
+      std::count_if(start.state.rig_from_target.begin(), start.state.rig_from_target.end(),
+                    [](const auto& pose) { return pose.has_value(); }));
+  if (placed < kFewest) {
+    selection = OfFewViews(types, detections, start, options, models, boards);
+    return selection;
+  }
   // With two models that differ in kind: a target's shape must not make up for what one of them
   // lacks.
   std::vector<Candidate> shapes;
@@ -175,18 +213,22 @@ ModelSelection SelectModel(const Registry& types, const Detections& detections,
     }
     shapes.push_back(std::move(*best));
   }
+  if (shapes.empty()) throw Error("no shape of the target to try", ErrorKind::kUsage);
   std::size_t best_shape = 0;
-  for (std::size_t i = 1; i < shapes.size(); ++i) {
+  while (best_shape < shapes.size() && !shapes[best_shape].trial.failure.empty()) ++best_shape;
+  if (best_shape == shapes.size())
+    throw Error("no camera explains these views: " + shapes.front().trial.failure +
+                    "; do the corners' places on the target, and their order, belong to it?",
+                ErrorKind::kIllPosed);
+  for (std::size_t i = best_shape + 1; i < shapes.size(); ++i) {
     ModelTrial& against = shapes[i].trial;
     Compare(shapes[best_shape], &shapes[i]);
     const double news = std::max(against.standard_error_px, 0.02 * Score(shapes[best_shape].trial));
     if (against.failure.empty() && against.difference_px < -news) best_shape = i;
   }
   for (const Candidate& shape : shapes) selection.shapes.push_back(shape.trial);
-  if (!boards.empty()) {
-    selection.options.board = boards[best_shape];
-    judged = shapes[best_shape].calibration.state;
-  }
+  selection.options.board = boards[best_shape];
+  judged = shapes[best_shape].calibration.state;
 
   const std::size_t threads = std::max(1u, std::thread::hardware_concurrency());
   std::vector<Candidate> candidates(names.size());

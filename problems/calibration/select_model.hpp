@@ -38,7 +38,8 @@ struct ModelSelection {
 /// et al. 1984), the one with the most evidence: never one that only fits its own data better. With
 /// more than 40 exposures, 40 of them judge.  `models` empty: all built-in ones.  `boards` are
 /// tried with the bootstrap's model, in the order given; a shape must be better by a standard error
-/// than the one before it.  Throws Error as BootstrapCalibration does.
+/// than the one before it.  With fewer than three exposures nothing can be left
+/// out: angular1 under a prior, and no error is known.  Throws Error as BootstrapCalibration does.
 ModelSelection SelectModel(const Registry& types, const Detections& detections,
                            const CalibrationOptions& options,
                            const std::vector<std::string>& models,
