@@ -18,6 +18,29 @@ void AddEvaluate(CLI::App* calibrate, Chosen* chosen) {
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
 }
 
+void AddTarget(CLI::App* calibrate, Chosen* chosen) {
+  auto command = std::make_shared<CalibrateTargetCommand>();
+  CLI::App* sub = AddCommand(
+      calibrate, "target", "print a calibration target, at exact scale, and its description",
+      "  graticule calibrate target --family tag36h11 --size A3 -o target.pdf\n"
+      "  graticule calibrate target --kind charuco --size A4 --pitch 20 -o board.svg",
+      command, chosen);
+  sub->add_option("-o,--output", command->output, "the page: .pdf, .svg or .png")->required();
+  sub->add_option("--kind", command->kind,
+                  "mosaic (AprilTags in rows; the default), aprilgrid (Kalibr's), charuco, "
+                  "chessboard");
+  sub->add_option("--family", command->family,
+                  "of the markers: tag36h11 (the default), DICT_4X4_50, ...");
+  sub->add_option("--size", command->size, "of the page: A0 to A5, letter, legal, 420x297 (mm)")
+      ->capture_default_str();
+  sub->add_option("--pitch", command->pitch_mm,
+                  "mm: a square's side, a grid tag's side, from one tag of a mosaic to the next")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--columns", command->columns, "instead of as many as fit")
+      ->check(CLI::Range(1, 200));
+  sub->add_option("--rows", command->rows, "instead of as many as fit")->check(CLI::Range(1, 200));
+}
+
 }  // namespace
 
 void AddCalibrate(CLI::App* app, Chosen* chosen) {
@@ -59,6 +82,7 @@ void AddCalibrate(CLI::App* app, Chosen* chosen) {
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
   AddReading(sub, &command->reading);
   AddEvaluate(sub, chosen);
+  AddTarget(sub, chosen);
 }
 
 }  // namespace graticule::apps

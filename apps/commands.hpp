@@ -52,6 +52,13 @@ struct CompareCommand {
   bool json = false;
 };
 
+struct CalibrateTargetCommand {
+  std::string output, kind, family;
+  std::string size = "A3";
+  double pitch_mm = 0;        ///< 0: what suits the page
+  int columns = 0, rows = 0;  ///< 0: as many as fit
+};
+
 struct MapCommand {
   std::vector<std::string> logs;
   Reading reading;
@@ -150,6 +157,7 @@ int Run(const CompareCommand& command, const Console& console);
 int Run(const MapCommand& command, const Console& console);
 int Run(const CalibrateCommand& command, const Console& console);
 int Run(const CalibrateEvaluateCommand& command, const Console& console);
+int Run(const CalibrateTargetCommand& command, const Console& console);
 int Run(const ConvertCommand& command, const Console& console);
 int Run(const InspectCommand& command, const Console& console);
 int Run(const CheckCommand& command, const Console& console);

@@ -66,6 +66,6 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/graticuleConfigVersion.c
 install(FILES
   "${PROJECT_BINARY_DIR}/graticuleConfig.cmake"
   "${PROJECT_BINARY_DIR}/graticuleConfigVersion.cmake"
-  "${PROJECT_SOURCE_DIR}/cmake/GraticuleOpenCv.cmake"
   "${PROJECT_SOURCE_DIR}/cmake/GraticulePlugin.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/GraticuleOpenCv.cmake"
   DESTINATION "${GRATICULE_PACKAGE_DIR}")

@@ -131,11 +131,11 @@ void PathData::Close() {
   y_ = start_y_;
 }
 
-Svg::Svg(double width, double height, std::string_view label) {
+Svg::Svg(double width, double height, std::string_view label, std::string_view unit) {
   Open("svg", {{"xmlns", "http://www.w3.org/2000/svg"},
                {"viewBox", "0 0 " + SvgNumber(width) + " " + SvgNumber(height)},
-               {"width", SvgNumber(width)},
-               {"height", SvgNumber(height)},
+               {"width", SvgNumber(width) + std::string(unit)},
+               {"height", SvgNumber(height) + std::string(unit)},
                {"font-family", "DejaVu Sans,Verdana,Arial,sans-serif"},
                {"role", "img"},
                {"aria-label", std::string(label)}});

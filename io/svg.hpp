@@ -54,8 +54,9 @@ class Svg {
  public:
   using Attributes = std::vector<std::pair<std::string_view, std::string>>;
 
-  /// A document of this size in pixels, which scales with the width it is given.
-  Svg(double width, double height, std::string_view label = {});
+  /// A document of this size in pixels, which scales with the width it is given; with a unit
+  /// ("mm"), of exactly that size on paper.
+  Svg(double width, double height, std::string_view label = {}, std::string_view unit = {});
 
   void Open(std::string_view element, const Attributes& attributes = {});
   void Close();
@@ -83,5 +84,9 @@ class Svg {
 /// The same picture as a PNG file's bytes, `width_px` wide, on white.  Throws Error: not an SVG
 /// document, or a picture that is too large (32767 pixels a side).
 std::string PngFromSvg(const std::string& svg, int width_px);
+
+/// The same picture as a PDF file's bytes: one page of this size, shapes as shapes.  The same
+/// picture gives the same bytes.  Throws Error as PngFromSvg.
+std::string PdfFromSvg(const std::string& svg, double width_mm, double height_mm);
 
 }  // namespace graticule

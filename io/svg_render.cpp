@@ -1,3 +1,4 @@
+#include <cairo-pdf.h>
 #include <cairo.h>
 #include <dlfcn.h>
 #include <librsvg/rsvg.h>
@@ -22,8 +23,13 @@ struct Librsvg {
   GRATICULE_FIND(cairo_image_surface_create)
   GRATICULE_FIND(cairo_paint)
   GRATICULE_FIND(cairo_set_source_rgb)
+  GRATICULE_FIND(cairo_pdf_surface_create_for_stream)
+  GRATICULE_FIND(cairo_pdf_surface_set_metadata)
+  GRATICULE_FIND(cairo_show_page)
   GRATICULE_FIND(cairo_status_to_string)
   GRATICULE_FIND(cairo_surface_destroy)
+  GRATICULE_FIND(cairo_surface_finish)
+  GRATICULE_FIND(cairo_surface_status)
   GRATICULE_FIND(cairo_surface_write_to_png_stream)
   GRATICULE_FIND(g_error_free)
   GRATICULE_FIND(g_memory_input_stream_new_from_data)
@@ -130,6 +136,34 @@ std::string PngFromSvg(const std::string& svg, int width_px) {
     throw Error(std::string("SVG to PNG: ") + Lib().cairo_status_to_string(status),
                 ErrorKind::kOther);
   return png;
+}
+
+std::string PdfFromSvg(const std::string& svg, double width_mm, double height_mm) {
+  constexpr double kPointsPerMm = 72 / 25.4;
+  const Owned<RsvgHandle> handle = Parse(svg);
+  const double width = width_mm * kPointsPerMm, height = height_mm * kPointsPerMm;
+  if (!(width > 0 && height > 0) || width > kMaxSide || height > kMaxSide)
+    Refuse("a page without size, or too large", nullptr);
+  std::string pdf;
+  const Owned<cairo_surface_t> surface(
+      Lib().cairo_pdf_surface_create_for_stream(Append, &pdf, width, height));
+  // Without the time of day: the same picture is the same file.
+  Lib().cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE,
+                                       "2000-01-01T00:00:00Z");
+  {
+    const Owned<cairo_t> context(Lib().cairo_create(surface.get()));
+    const RsvgRectangle page{0, 0, width, height};
+    GError* error = nullptr;
+    if (!Lib().rsvg_handle_render_document(handle.get(), context.get(), &page, &error))
+      Refuse("cannot draw", error);
+    Lib().cairo_show_page(context.get());
+  }
+  Lib().cairo_surface_finish(surface.get());
+  const cairo_status_t status = Lib().cairo_surface_status(surface.get());
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw Error(std::string("SVG to PDF: ") + Lib().cairo_status_to_string(status),
+                ErrorKind::kOther);
+  return pdf;
 }
 
 }  // namespace graticule

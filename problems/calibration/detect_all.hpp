@@ -1,0 +1,58 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graticule/io/detections.hpp"
+#include "graticule/io/grey_image.hpp"
+#include "graticule/problems/calibration/detect.hpp"
+
+namespace graticule {
+
+struct DetectAllOptions {
+  std::optional<Target> target;  ///< none: GuessTarget
+  DetectOptions detect;
+  std::string camera = "cam0";
+  std::size_t threads = 0;         ///< 0: as many as there are cores
+  std::size_t video_frames = 150;  ///< at most so many of a video, evenly spaced
+};
+
+/// An image without corners, and why.
+struct SkippedImage {
+  std::string image;
+  std::string reason;
+};
+
+struct FoundDetections {
+  Detections detections;  ///< one camera; a view is an exposure
+  Target target;
+  bool is_guessed = false;            ///< the target: its size is nominal (kNominalPitch_m)
+  std::vector<SkippedImage> skipped;  ///< in the order of the images
+};
+
+/// Called from one thread at a time: how many of how many images are done.
+using DetectProgress = std::function<void(std::size_t done, std::size_t all)>;
+
+/// The images that words on a command line mean: files, the pictures of folders, and patterns with
+/// * and ? in their last part; sorted by name within each.  Throws Error: a folder or a pattern
+/// without pictures, a file that does not exist.
+std::vector<std::string> ExpandImages(const std::vector<std::string>& words);
+
+/// Whether a name ends as videos' do.
+bool IsVideoName(const std::string& path);
+
+/// Frames of a video, evenly spaced, at most so many.  Throws Error: no video.
+std::vector<GreyImage> ReadVideoFrames(const std::string& path, std::size_t most);
+
+/// Finds the target in images, or in a video (one name that ends as videos' do), by several
+/// threads. The same images give the same result, whatever the number of threads.
+///
+/// What cannot be read, has another size than most, or does not show the target is skipped and
+/// listed.  Throws Error (kInput): no picture can be read, no target is known (with what was
+/// looked for), the target is in none of them.
+FoundDetections DetectAll(const std::vector<std::string>& images, const DetectAllOptions& options,
+                          const DetectProgress& progress = {});
+
+}  // namespace graticule
