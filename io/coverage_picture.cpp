@@ -45,15 +45,18 @@ std::string DrawCoverage(const CoveragePicture& picture) {
   DrawPictureTitle(picture.title, "", kWidth, &svg);
   panel.Open(picture.image, &svg);
   PathData outlines(1), dots(1);
-  // Many views must not add up to one colour.
+  // Many views must not add up to one colour: fainter, and from a hundred on without a filling,
+  // since colours have but eight bits.
   const double share = std::min(1.0, 24 / static_cast<double>(picture.outlines.size() + 1));
+  const bool filled = picture.outlines.size() < 100;
   for (const ImageLine& outline : picture.outlines) {
+    panel.AddLine(outline, true, &outlines);
+    if (!filled) continue;
     PathData path(1);
     panel.AddLine(outline, true, &path);
     plot::Attributes fill = plot::SeriesFill(0);
     fill.emplace_back("fill-opacity", SvgNumber(0.05 * share));
     svg.Path(path, fill);
-    panel.AddLine(outline, true, &outlines);
   }
   plot::Attributes thin = plot::SeriesStroke(0, 0.8);
   thin.emplace_back("stroke-opacity", SvgNumber(0.1 + 0.4 * share));
