@@ -12,6 +12,7 @@ void AddEvaluate(CLI::App* calibrate, Chosen* chosen) {
       command, chosen);
   sub->add_option("CAMERA", command->camera, "a camera file, any format that is read")->required();
   sub->add_option("TEST", command->sources, "recorded detections, or images")->required();
+  sub->add_option("--target", command->target, "the target's description, for images: YAML");
   sub->add_option("--against", command->against,
                   "another camera file: how far the two are apart, after the best rotation");
   sub->add_option("--plot", command->picture, "draw the difference over the image: .svg or .png");
@@ -53,7 +54,12 @@ void AddCalibrate(CLI::App* app, Chosen* chosen) {
                  command, chosen);
   sub->require_subcommand(0, 1);
   sub->add_option("SOURCES", command->sources,
-                  "recorded detections (.json, .vnl, .orpc); of several cameras, one file each");
+                  "images, folders of them, patterns or a video; or recorded detections (.json, "
+                  ".vnl, .orpc), of several cameras one file each");
+  sub->add_option("--target", command->target,
+                  "the target's description, for images: YAML, as `calibrate target` or Kalibr "
+                  "writes it; without it, the target is guessed");
+  sub->add_option("--detections", command->detections, "write the corners that were found: .json");
   sub->add_option("-o,--output", command->outputs,
                   "write the camera: FILE, or FORMAT:FILE with opencv, ros, kalibr, mrcal or "
                   "graticule; may be repeated")

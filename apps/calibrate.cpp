@@ -83,7 +83,7 @@ Posterior PosteriorOf(const CalibrateCommand& command, const Detections& detecti
 }
 
 // The target as its corners say, seen from the side that was seen.
-TargetLayout LayoutOf(const Detections& detections, const CalibrationState& state) {
+TargetLayout LayoutSeen(const Detections& detections, const CalibrationState& state) {
   TargetLayout layout;
   layout.corners_per_tag = 1;
   std::map<int, std::array<double, 3>> places;
@@ -101,9 +101,10 @@ TargetLayout LayoutOf(const Detections& detections, const CalibrationState& stat
 }
 
 // Where the target should be held next, drawn into the report of each camera.
-void AddSuggestions(const Detections& detections, Answer* answer) {
+void AddSuggestions(const Detections& detections, const std::optional<Target>& target,
+                    Answer* answer) {
   const Calibration& solved = answer->Solved();
-  const TargetLayout layout = LayoutOf(detections, solved.state);
+  const TargetLayout layout = target ? LayoutOf(*target) : LayoutSeen(detections, solved.state);
   for (std::size_t c = 0; c < solved.state.cameras.size(); ++c) {
     const Camera camera(solved.state.cameras[c]);
     SuggestOptions options;
@@ -122,8 +123,9 @@ void AddSuggestions(const Detections& detections, Answer* answer) {
   }
 }
 
-Answer Solve(const CalibrateCommand& command, const Registry& types, const Detections& detections,
+Answer Solve(const CalibrateCommand& command, const Registry& types, const CalibrationInput& input,
              const Console& console) {
+  const Detections& detections = input.detections;
   Answer answer;
   Stopwatch clock;
   console.Progress("looking for the camera");
@@ -145,7 +147,8 @@ Answer Solve(const CalibrateCommand& command, const Registry& types, const Detec
         "{} views are too few to judge the model by views that it has not seen: take {} or more.",
         exposures, kFewest);
   }
-  if (answer.report.verdict != CalibrationVerdict::kMet) AddSuggestions(detections, &answer);
+  if (answer.report.verdict != CalibrationVerdict::kMet)
+    AddSuggestions(detections, input.target, &answer);
   if (const double ratio = HeldOutRatio(answer.selection); ratio > 1 && !(command.sigma_px > 0))
     answer.report.facts.emplace_back(
         "held out", fmt::format("views that were left out are predicted {:.2f} times worse than "
@@ -250,8 +253,12 @@ int Run(const CalibrateCommand& command, const Console& console) {
   if (!command.record.empty()) ExpectEnding(command.record, "--record", ProblemEndings());
   if (!command.report.empty()) ExpectEnding(command.report, "--report", {".html", ".json"});
   const Registry types = LoadTypes(command.reading);
-  const Detections detections = LoadDetections(command.sources, console);
-  const Answer answer = Solve(command, types, detections, console);
+  const CalibrationInput input = LoadCalibrationInput(command.sources, command.target, console);
+  const Detections& detections = input.detections;
+  Answer answer = Solve(command, types, input, console);
+  for (const std::string& note : input.notes) answer.report.warnings.push_back(note);
+  if (input.target) answer.report.facts.emplace_back("target", Described(*input.target));
+  if (!command.detections.empty()) WriteDetections(command.detections, detections);
 
   const CameraRig rig = RigOf(answer);
   for (const Output& output : outputs) WriteCameras(output.path, rig, output.format);

@@ -5,15 +5,55 @@
 #include <algorithm>
 
 #include "graticule/io/readable.hpp"
+#include "graticule/problems/calibration/detect_all.hpp"
 #include "graticule/solver/error.hpp"
+#include "problem.hpp"
 
 namespace graticule::apps {
 
-Detections LoadDetections(const std::vector<std::string>& sources, const Console&) {
+namespace {
+
+bool IsRecorded(const std::string& source) {
+  const std::string ending = Ending(source);
+  return ending == ".json" || ending == ".vnl" || ending == ".orpc" || ending == ".dsc" ||
+         ending == ".tp";
+}
+
+}  // namespace
+
+CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
+                                      const std::string& target, const Console& console) {
   if (sources.empty())
     throw Error("expected recorded detections, or images to look for a target in",
                 ErrorKind::kUsage);
-  return ReadDetections(sources);
+  const auto recorded = std::count_if(sources.begin(), sources.end(), IsRecorded);
+  if (recorded > 0 && recorded < static_cast<std::ptrdiff_t>(sources.size()))
+    throw Error("recorded detections and images do not go together", ErrorKind::kUsage);
+  CalibrationInput input;
+  if (recorded > 0) {
+    if (!target.empty())
+      throw Error("--target is for images: recorded detections say where corners are",
+                  ErrorKind::kUsage);
+    input.detections = ReadDetections(sources);
+    return input;
+  }
+  DetectAllOptions options;
+  if (!target.empty()) options.target = ReadTarget(target);
+  const bool is_video = sources.size() == 1 && IsVideoName(sources.front());
+  FoundDetections found = DetectAll(
+      is_video ? sources : ExpandImages(sources), options, [&](std::size_t done, std::size_t all) {
+        console.Progress(fmt::format("looking for the target: {} of {}", done, all));
+      });
+  console.Progress("");
+  input.detections = std::move(found.detections);
+  input.target = found.target;
+  if (found.is_guessed)
+    input.notes.push_back(fmt::format(
+        "the target was guessed from the images: {}; what its size is they do not say (--target)",
+        Described(found.target)));
+  for (const SkippedImage& skipped : found.skipped)
+    input.notes.push_back(fmt::format("{}: {}", skipped.image, skipped.reason));
+  return input;
 }
 
 std::string Described(const Detections& detections) {

@@ -1,18 +1,29 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "console.hpp"
 #include "graticule/io/detections.hpp"
+#include "graticule/problems/calibration/target.hpp"
 
 namespace graticule::apps {
 
-/// The corners that a command's words lead to: recorded detections (.json, .vnl, .orpc), or images
-/// in which a target is looked for.  Throws Error.
-Detections LoadDetections(const std::vector<std::string>& sources, const Console& console);
+/// What a calibration is made from.
+struct CalibrationInput {
+  Detections detections;
+  std::optional<Target> target;    ///< where images were looked through
+  std::vector<std::string> notes;  ///< what a person should know: skipped images, a guessed target
+};
 
-/// "13 views of cam0 (640 x 480), 702 corners".
+/// The corners that a command's words lead to: recorded detections (.json, .vnl, .orpc), or images
+/// (files, folders, patterns, a video) in which the target of that description is looked for, or,
+/// with none, whatever target they show.  Throws Error.
+CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
+                                      const std::string& target, const Console& console);
+
+/// "cam0 (640 x 480): 13 views, 702 corners".
 std::string Described(const Detections& detections);
 
 }  // namespace graticule::apps

@@ -83,7 +83,9 @@ struct CalibrateCommand {
   std::vector<std::string> outputs;  ///< "camera.yaml", "ros:camera_info.yaml"
   std::string model = "auto", board = "auto";
   double accuracy_px = 1, sigma_px = 0;
-  double range_m = 0;  ///< at which the error is expected; 0: at infinity
+  double range_m = 0;      ///< at which the error is expected; 0: at infinity
+  std::string target;      ///< "" or its description's file
+  std::string detections;  ///< "" or where the corners are written
   std::string record, report, pictures;
   bool json = false;
 };
@@ -91,6 +93,7 @@ struct CalibrateCommand {
 struct CalibrateEvaluateCommand {
   std::string camera;                ///< a camera file
   std::vector<std::string> sources;  ///< what it is tested on
+  std::string target;                ///< "" or its description's file
   std::string against;               ///< "" or another camera file
   std::string picture;               ///< of the difference: .svg or .png
   bool json = false;

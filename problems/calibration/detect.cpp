@@ -108,7 +108,7 @@ std::vector<DetectedCorner> Polished(SaddleFinder* finder, const std::vector<Tar
   finder->Polish(pitch_m);
   std::vector<DetectedCorner> corners;
   for (const auto& [i, pixel] : finder->Found())
-    corners.push_back({all[i].id, all[i].place, {pixel.x(), pixel.y()}});
+    corners.push_back({all[i].id, all[i].in_target, {pixel.x(), pixel.y()}});
   return corners;
 }
 
@@ -190,7 +190,7 @@ class TargetDetector::SaddleTargetFinder : public Finder {
     const double x = (marker.corners[0][0] + marker.corners[2][0]) / 2;
     const double y = (marker.corners[0][1] + marker.corners[2][1]) / 2;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
-      const auto& place = corners_[i].place;
+      const auto& place = corners_[i].in_target;
       if (std::max(std::abs(place[0] - x), std::abs(place[1] - y)) < 0.51 * pitch_m_)
         finder->Try(i, map.At(place[0], place[1]));
     }

@@ -58,6 +58,16 @@ TargetLayout MosaicLayout(int columns, int rows, double pitch_m) {
   return target;
 }
 
+TargetLayout LayoutOf(const Target& target) {
+  TargetLayout layout;
+  layout.corners = CornersOf(target);
+  const bool has_tags =
+      target.kind == TargetKind::kTagMosaic || target.kind == TargetKind::kAprilGrid;
+  layout.corners_per_tag = has_tags ? 4 : 1;
+  layout.printed_towards_z = HasYUp(target);
+  return layout;
+}
+
 std::optional<Se3Array> PlaceTarget(const Camera& camera, const TargetLayout& target,
                                     const Placement& placement) {
   const Eigen::Vector2d pixel(placement.across * camera.Width() - 0.5,

@@ -8,14 +8,9 @@
 #include "graticule/factors/make.hpp"
 #include "graticule/io/detections.hpp"
 #include "graticule/problems/calibration/camera.hpp"
+#include "graticule/problems/calibration/target.hpp"
 
 namespace graticule {
-
-/// A corner of a target, as its description has it.
-struct TargetCorner {
-  int id = 0;
-  std::array<double, 3> in_target = {};  ///< m
-};
 
 /// A target as guidance and simulation see it: corners in groups that are seen whole or not at all.
 struct TargetLayout {
@@ -33,6 +28,9 @@ struct TargetLayout {
 /// (tag36h11: 8 cells of 10).  Corner 4 t + i of tag t, row by row; i clockwise from the upper
 /// left.
 TargetLayout MosaicLayout(int columns = 8, int rows = 6, double pitch_m = 0.0381);
+
+/// A target as its description has it.
+TargetLayout LayoutOf(const Target& target);
 
 /// Where and how a target should appear in an image.
 struct Placement {

@@ -97,10 +97,10 @@ std::optional<LocalMap> SaddleFinder::FromNeighbours(std::size_t corner, double 
     Eigen::Vector2d pixel;
   };
   std::vector<Neighbour> near;
-  const auto& here = corners_[corner].place;
+  const auto& here = corners_[corner].in_target;
   for (const auto& [other, pixel] : found_) {
     if (other == corner && !with_itself) continue;
-    const auto& place = corners_[other].place;
+    const auto& place = corners_[other].in_target;
     const double x = (place[0] - here[0]) / reach_m, y = (place[1] - here[1]) / reach_m;
     const double distance = std::hypot(x, y);
     if (distance < 1) near.push_back({x, y, distance, pixel});
@@ -144,9 +144,9 @@ void SaddleFinder::Grow(double pitch_m) {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       if (found_.count(i) || tried_with[i] == found_.size()) continue;
       tried_with[i] = found_.size();
-      const auto& here = corners_[i].place;
+      const auto& here = corners_[i].in_target;
       const bool is_near = std::any_of(found_.begin(), found_.end(), [&](const auto& known) {
-        const auto& place = corners_[known.first].place;
+        const auto& place = corners_[known.first].in_target;
         return std::hypot(place[0] - here[0], place[1] - here[1]) < 1.1 * pitch_m;
       });
       if (!is_near) continue;

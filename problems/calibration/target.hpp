@@ -34,7 +34,7 @@ struct Target {
 /// A corner that can be measured.
 struct TargetCorner {
   int id = 0;
-  std::array<double, 3> place = {};  ///< m, in the target's frame
+  std::array<double, 3> in_target = {};  ///< m
   /// Where four squares meet: +1 where the one at larger x and y is black (and its opposite), -1
   /// where it is white.  0: a tag's corner, where three quarters are white.
   int saddle = 0;
