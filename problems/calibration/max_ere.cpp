@@ -83,6 +83,15 @@ EreMap EmptyMap(const std::vector<MovingPixel>& pixels, const EreOptions& option
 }
 
 // Points so far away that a translation cannot be told are not asked for one.
+std::vector<MovingPixel> GaugePixels(const Camera& camera, const EreOptions& options) {
+  if (options.gauge_pixels.empty())
+    return MovingPixels(camera, options.gauge_columns, options.gauge_rows);
+  std::vector<MovingPixel> pixels;
+  for (const Eigen::Vector2d& pixel : options.gauge_pixels)
+    pixels.push_back(MovingPixelAt(camera, pixel));
+  return pixels;
+}
+
 EreGauge GaugeOf(const EreOptions& options) {
   return options.gauge == EreGauge::kMotionCompensated && !std::isfinite(options.range_m)
              ? EreGauge::kRotationCompensated
@@ -152,8 +161,7 @@ EreGrid::EreGrid(const Camera& camera, const EreOptions& options)
   const std::vector<MovingPixel> pixels = MovingPixels(camera, columns_, rows_);
   const EreGauge gauge = GaugeOf(options);
   Eigen::MatrixXd motion;
-  if (gauge != EreGauge::kRaw)
-    motion = ImpliedMotion(MovingPixels(camera, options.gauge_columns, options.gauge_rows), gauge);
+  if (gauge != EreGauge::kRaw) motion = ImpliedMotion(GaugePixels(camera, options), gauge);
   by_parameters_.resize(2 * static_cast<Eigen::Index>(pixels.size()), camera.Model().parameters);
   Eigen::Index row = 0;
   for (const MovingPixel& pixel : pixels) {
@@ -199,9 +207,7 @@ std::optional<double> EreAt(const Camera& camera, const Eigen::MatrixXd& covaria
   if (!moving.HasRay()) return std::nullopt;
   Eigen::MatrixXd by_parameters = moving.by_parameters;
   if (const EreGauge gauge = GaugeOf(options); gauge != EreGauge::kRaw)
-    by_parameters -=
-        moving.by_motion *
-        ImpliedMotion(MovingPixels(camera, options.gauge_columns, options.gauge_rows), gauge);
+    by_parameters -= moving.by_motion * ImpliedMotion(GaugePixels(camera, options), gauge);
   return ExpectedLength(by_parameters * covariance * by_parameters.transpose());
 }
 
@@ -210,8 +216,7 @@ EreMap SampledEre(const Camera& camera, const Eigen::MatrixXd& covariance,
   const CameraModel& model = camera.Model();
   if (samples < 1) throw Error("expected one sample or more", ErrorKind::kUsage);
   const std::vector<MovingPixel> pixels = MovingPixels(camera, options.columns, options.rows);
-  const std::vector<MovingPixel> gauge =
-      MovingPixels(camera, options.gauge_columns, options.gauge_rows);
+  const std::vector<MovingPixel> gauge = GaugePixels(camera, options);
   const Eigen::MatrixXd root = RootOf(covariance);
   EreMap map = EmptyMap(pixels, options);
   RandomNumbers random(seed);
@@ -264,12 +269,27 @@ void MarkReached(const Detections& detections, std::size_t camera, const CornerU
   }
 }
 
+std::vector<Eigen::Vector2d> SeenPixels(const Detections& detections, std::size_t camera,
+                                        const CornerUse& use, std::size_t most) {
+  std::vector<Eigen::Vector2d> all;
+  for (std::size_t i = 0; i < detections.views.size(); ++i) {
+    const TargetView& view = detections.views[i];
+    if (view.camera != camera) continue;
+    for (std::size_t j = 0; j < view.corners.size(); ++j)
+      if (use.empty() || use[i].empty() || use[i][j])
+        all.emplace_back(view.corners[j].pixel[0], view.corners[j].pixel[1]);
+  }
+  if (all.size() <= most) return all;
+  std::vector<Eigen::Vector2d> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
+  return some;
+}
+
 EreMap ModelDifference(const Camera& from, const Camera& to, const EreOptions& options) {
   const std::vector<MovingPixel> pixels = MovingPixels(from, options.columns, options.rows);
   MovedModel moved{&to.Model(), to.Intrinsics().parameters.data(), Eigen::Isometry3d::Identity(),
                    RangeOf(options)};
-  FitMotion(MovingPixels(from, options.gauge_columns, options.gauge_rows), GaugeOf(options),
-            &moved);
+  FitMotion(GaugePixels(from, options), GaugeOf(options), &moved);
   EreMap map = EmptyMap(pixels, options);
   AddDistances(pixels, moved, 1, &map);
   return map;

@@ -27,6 +27,9 @@ struct EreOptions {
   double range_m = std::numeric_limits<double>::infinity();
   /// The pixels over which the gauge's motion is fitted.
   int gauge_columns = 9, gauge_rows = 7;
+  /// If set, the pixels over which it is fitted instead: where corners were seen (SeenPixels), so
+  /// that what nobody knows of the image's corners turns no frame.
+  std::vector<Eigen::Vector2d> gauge_pixels;
 };
 
 /// Expected reprojection error at a pixel.
@@ -86,6 +89,10 @@ std::vector<double> DrawnParameters(const Camera& camera, const Eigen::MatrixXd&
 /// diagonals.  Elsewhere an expected error is an extrapolation.
 void MarkReached(const Detections& detections, std::size_t camera, const CornerUse& use,
                  EreMap* map, double near = 0.08);
+
+/// Pixels of at most `most` counted corners of a camera, evenly through its views.
+std::vector<Eigen::Vector2d> SeenPixels(const Detections& detections, std::size_t camera,
+                                        const CornerUse& use, std::size_t most = 200);
 
 /// Difference between two models of the same camera over a grid of pixels of the first [px], the
 /// gauge's motion fitted and taken out (Gauss-Newton): what Max ERE expects.  Infinite where the

@@ -115,12 +115,15 @@ void AddExpectedErrors(const Detections& detections, const Calibration& calibrat
                        std::size_t index, const Camera& camera, const DescribeOptions& options,
                        CameraReport* report) {
   const Eigen::MatrixXd covariance = options.posterior->OfCamera(index);
+  EreOptions asked = options.ere;
+  if (asked.gauge_pixels.empty())
+    asked.gauge_pixels = SeenPixels(detections, index, calibration.use);
   const ImageField nodes = EmptyField(camera.Width(), camera.Height(), 65);
-  std::vector<EreGauge> gauges = {options.ere.gauge};
+  std::vector<EreGauge> gauges = {asked.gauge};
   for (const EreGauge gauge : {EreGauge::kRotationCompensated, EreGauge::kRaw})
-    if (gauge != options.ere.gauge && gauges.size() < 2) gauges.push_back(gauge);
+    if (gauge != asked.gauge && gauges.size() < 2) gauges.push_back(gauge);
   for (const EreGauge gauge : gauges) {
-    EreOptions ere = options.ere;
+    EreOptions ere = asked;
     ere.gauge = gauge;
     ere.columns = static_cast<int>(nodes.columns);
     ere.rows = static_cast<int>(nodes.rows);
@@ -128,12 +131,12 @@ void AddExpectedErrors(const Detections& detections, const Calibration& calibrat
     MarkReached(detections, index, calibration.use, &map);
     report->maps.push_back(DescribeEre(map, camera, ere, options.accuracy_px));
     // What counts is looked for where the options say.
-    ere.columns = options.ere.columns;
-    ere.rows = options.ere.rows;
+    ere.columns = asked.columns;
+    ere.rows = asked.rows;
     const EreMap coarse = EreGrid(camera, ere).Map(covariance);
     const ErePoint* worst = coarse.Worst();
     if (!worst) continue;
-    if (gauge == options.ere.gauge) {
+    if (gauge == asked.gauge) {
       report->max_ere_px = worst->ere_px;
       report->max_ere_at = {worst->pixel.x(), worst->pixel.y()};
     }
@@ -144,14 +147,14 @@ void AddExpectedErrors(const Detections& detections, const Calibration& calibrat
     report->max_ere_variants.emplace_back(over(coarse.columns, coarse.rows), worst->ere_px);
     report->max_ere_variants.emplace_back(over(map.columns, map.rows), map.MaxPx());
   }
-  EreMap reached = EreGrid(camera, options.ere).Map(covariance);
+  EreMap reached = EreGrid(camera, asked).Map(covariance);
   MarkReached(detections, index, calibration.use, &reached);
   double where_seen = kNotKnown;
   for (const ErePoint& point : reached.points)
     if (point.has_ray && point.is_reached) where_seen = std::fmax(where_seen, point.ere_px);
   if (std::isfinite(where_seen))
     report->max_ere_variants.emplace_back("where corners were seen", where_seen);
-  report->section = DescribeSection(camera, covariance, options.ere);
+  report->section = DescribeSection(camera, covariance, asked);
   report->section->limit_px = options.accuracy_px;
   report->section->seen_to_px = SeenAlongSection(detections, index, camera);
 }

@@ -19,7 +19,8 @@ struct DescribeOptions {
   const Posterior* posterior = nullptr;  ///< null: no deviations, no expected errors
   double accuracy_px = 0;                ///< asked for; 0: nothing was
   std::vector<double> held_out_px;       ///< mean error by exposure (CrossValidate), or empty
-  EreOptions ere;                        ///< gauge and range of the number that counts
+  /// Gauge and range of the number that counts.  Without gauge_pixels, where corners were seen.
+  EreOptions ere;
   /// An image of the camera, for the pictures before and after undistortion and of coverage.
   std::optional<GreyImage> image;
   std::string image_name;  ///< the view's that it is of; "": no view's
