@@ -13,9 +13,19 @@
 namespace graticule {
 namespace {
 
+// Decoders fill what is missing with grey, and complain on the terminal.
+bool IsCutShort(std::string_view contents) {
+  using namespace std::string_view_literals;
+  if (contents.substr(0, 4) == "\x89PNG"sv) return contents.rfind("IEND") == std::string_view::npos;
+  if (contents.substr(0, 2) == "\xff\xd8"sv)
+    return contents.rfind("\xff\xd9"sv) == std::string_view::npos;
+  return false;
+}
+
 cv::Mat Decode(std::string_view contents, const std::string& name, int mode) {
   cv::Mat image;
   if (contents.empty()) throw Error(name + ": the file is empty");
+  if (IsCutShort(contents)) throw Error(name + ": the picture is cut short");
   try {
     const cv::Mat bytes(1, static_cast<int>(std::min<std::size_t>(contents.size(), 1u << 30)),
                         CV_8UC1, const_cast<char*>(contents.data()));

@@ -139,7 +139,9 @@ std::vector<GreyImage> ReadVideoFrames(const std::string& path, std::size_t most
   constexpr double kUnknownStep = 10;  // where the file does not say how many frames it has
   std::vector<GreyImage> frames;
   try {
-    cv::VideoCapture video(path);
+    // These two say nothing on the terminal where they cannot.
+    cv::VideoCapture video(path, cv::CAP_FFMPEG);
+    if (!video.isOpened()) video.open(path, cv::CAP_OPENCV_MJPEG);
     if (!video.isOpened()) throw Error(path + ": expected a video that FFmpeg can read");
     const double count = video.get(cv::CAP_PROP_FRAME_COUNT);
     const double step =

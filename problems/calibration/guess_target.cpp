@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <thread>
 
 #include "graticule/problems/calibration/chessboard.hpp"
+#include "graticule/problems/calibration/detect.hpp"
 #include "graticule/problems/calibration/marker_layout.hpp"
 #include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/solver/error.hpp"
 
 namespace graticule {
 namespace {
@@ -38,6 +41,38 @@ std::optional<Target> GuessChessboard(const std::vector<const GreyImage*>& image
   target.rows = size.second;
   target.pitch_m = kNominalPitch_m;
   return target;
+}
+
+/// How many corners of the last row are in these pictures.
+std::size_t CornersInLastRow(const Target& target, const std::vector<const GreyImage*>& images) {
+  const TargetDetector detector(target);
+  const std::vector<TargetCorner> all = CornersOf(target);
+  double last = 0;
+  for (const TargetCorner& corner : all) last = std::max(last, corner.place[1]);
+  std::vector<std::size_t> counts(images.size());
+  ParallelFor(images.size(), Threads(), [&](std::size_t, std::size_t i) {
+    for (const DetectedCorner& corner : detector.Detect(*images[i]))
+      counts[i] += corner.in_target[1] > last - 1e-3 * target.pitch_m;
+  });
+  return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+}
+
+/// A last row whose markers were nowhere read may still show its corners.
+void AddUnreadRows(const std::vector<const GreyImage*>& images, Target* target) {
+  constexpr int kMostAdded = 3;
+  if (target->kind != TargetKind::kAprilGrid && target->kind != TargetKind::kCharuco) return;
+  for (int i = 0; i < kMostAdded; ++i) {
+    Target larger = *target;
+    // A legacy board has an even number of rows.
+    larger.rows += target->is_legacy ? 2 : 1;
+    try {
+      CheckTarget(larger);
+    } catch (const Error&) {
+      return;  // the family has no more markers
+    }
+    if (CornersInLastRow(larger, images) < static_cast<std::size_t>(target->columns)) return;
+    *target = larger;
+  }
 }
 
 }  // namespace
@@ -75,7 +110,10 @@ std::optional<Target> GuessTarget(const std::vector<GreyImage>& all) {
     // Walls have tags, too; but then they are not the larger part.
     if (guess.fitting > best.fitting && 3 * guess.fitting > pairs.size()) best = guess;
   }
-  if (best.fitting >= kLeastPairs) return best.target;
+  if (best.fitting >= kLeastPairs) {
+    AddUnreadRows(images, &best.target);
+    return best.target;
+  }
   return GuessChessboard(images);
 }
 
