@@ -48,7 +48,7 @@ std::size_t CornersInLastRow(const Target& target, const std::vector<const GreyI
   const TargetDetector detector(target);
   const std::vector<TargetCorner> all = CornersOf(target);
   double last = 0;
-  for (const TargetCorner& corner : all) last = std::max(last, corner.place[1]);
+  for (const TargetCorner& corner : all) last = std::max(last, corner.in_target[1]);
   std::vector<std::size_t> counts(images.size());
   ParallelFor(images.size(), Threads(), [&](std::size_t, std::size_t i) {
     for (const DetectedCorner& corner : detector.Detect(*images[i]))

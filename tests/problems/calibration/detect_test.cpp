@@ -94,7 +94,7 @@ TEST_P(EveryTarget, IsFoundWhereItWasPrintedAtExactScale) {
     const auto own = std::find_if(all.begin(), all.end(),
                                   [&](const TargetCorner& c) { return c.id == corner.id; });
     ASSERT_NE(own, all.end());
-    EXPECT_EQ(own->place, corner.in_target);
+    EXPECT_EQ(own->in_target, corner.in_target);
   }
 }
 

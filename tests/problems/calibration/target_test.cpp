@@ -78,9 +78,9 @@ TEST(Target, ReadsKalibrsDescription) {
   ASSERT_EQ(corners.size(), 4u * 30);
   // As its own corners are counted: from the lower left, up.
   EXPECT_EQ(corners[5].id, 5);
-  EXPECT_NEAR(corners[5].place[0], 0.088 * 1.3 + 0.088, 1e-12);
-  EXPECT_NEAR(corners[5].place[1], 0, 1e-12);
-  EXPECT_NEAR(corners[4 * 6 + 3].place[1], 0.088 * 1.3 + 0.088, 1e-12);
+  EXPECT_NEAR(corners[5].in_target[0], 0.088 * 1.3 + 0.088, 1e-12);
+  EXPECT_NEAR(corners[5].in_target[1], 0, 1e-12);
+  EXPECT_NEAR(corners[4 * 6 + 3].in_target[1], 0.088 * 1.3 + 0.088, 1e-12);
   const Target board = ParseTarget(
       "target_type: checkerboard\ntargetCols: 6\ntargetRows: 7\nrowSpacingMeters: 0.06\n"
       "colSpacingMeters: 0.06\n",
@@ -128,7 +128,7 @@ TEST(Target, HasEveryCornerWhereItsSquaresMeet) {
     std::set<int> ids;
     for (const TargetCorner& corner : CornersOf(target)) {
       EXPECT_TRUE(ids.insert(corner.id).second);
-      const double x = corner.place[0], y = corner.place[1], d = target.pitch_m / 50;
+      const double x = corner.in_target[0], y = corner.in_target[1], d = target.pitch_m / 50;
       const int count = is_black(x + d, y + d) + is_black(x - d, y - d) + is_black(x + d, y - d) +
                         is_black(x - d, y + d);
       EXPECT_EQ(count, corner.saddle ? 2 : 1) << Described(target) << " " << corner.id;
