@@ -64,8 +64,11 @@ TEST(PictureData, DescribesACameraByItsNumbers) {
   ASSERT_EQ(report.coverage.rings.size(), 5u);
   EXPECT_EQ(report.coverage.rings.back().angle_deg, 50);
   ASSERT_EQ(report.maps.size(), 2u);
+  EreOptions where_seen;
+  where_seen.gauge_pixels =
+      SeenPixels(known.simulated.detections, 0, known.selection.calibration.use);
   EXPECT_EQ(report.max_ere_px,
-            EreGrid(Camera(report.camera)).Map(known.posterior.OfCamera(0)).MaxPx());
+            EreGrid(Camera(report.camera), where_seen).Map(known.posterior.OfCamera(0)).MaxPx());
   ASSERT_EQ(report.section->curves.size(), 2u);
   EXPECT_EQ(report.section->curves[0].points.size(), 121u);
   EXPECT_GT(report.section->seen_to_px, 50);
