@@ -55,14 +55,15 @@ std::string Unfit(const Registry& types, const Detections& detections,
   return "";
 }
 
+// With `is_asked_for` it is solved for even where it is known not to fit.
 Candidate Try(const Registry& types, const Detections& detections, const CalibrationState& start,
-              const CalibrationOptions& options) {
+              const CalibrationOptions& options, bool is_asked_for = false) {
   Candidate candidate;
   candidate.trial.model = options.model;
   candidate.trial.board = options.board;
   candidate.trial.parameters = CameraModelOf(options.model).parameters;
   try {
-    candidate.trial.failure = Unfit(types, detections, start, options.model);
+    if (!is_asked_for) candidate.trial.failure = Unfit(types, detections, start, options.model);
     if (!candidate.trial.failure.empty()) return candidate;
     candidate.calibration = ChangeModel(types, detections, start, options);
     candidate.trial.converged = candidate.calibration.report.termination == Termination::kConverged;
@@ -235,13 +236,15 @@ ModelSelection SelectModel(const Registry& types, const Detections& detections,
   ParallelFor(names.size(), threads, [&](std::size_t, std::size_t i) {
     CalibrationOptions one = selection.options;
     one.model = names[i];
-    candidates[i] = Try(types, judges, judged, one);
+    candidates[i] = Try(types, judges, judged, one, names.size() == 1);
   });
   std::stable_sort(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return Score(a.trial) < Score(b.trial); });
   if (candidates.empty() || !candidates.front().trial.failure.empty())
-    throw Error("no camera model explains these views", ErrorKind::kIllPosed);
+    throw Error("no camera model explains these views" +
+                    (candidates.empty() ? "" : ": " + candidates.front().trial.failure),
+                ErrorKind::kIllPosed);
   ScoreEvidence(judges, &candidates);
   for (Candidate& candidate : candidates) {
     Compare(candidates.front(), &candidate);
