@@ -51,7 +51,7 @@ class PageCounts {
     alignas(64) CellBits tiles[kPageTiles];
   };
   CellBits& Writable(int plane, int tile) {
-    if (plane >= used_) Grow();
+    while (plane >= used_) Grow();  // a count may have no bit in the planes below
     return planes_[plane]->tiles[tile];
   }
   void Grow();

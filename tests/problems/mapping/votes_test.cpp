@@ -53,6 +53,18 @@ TEST(Votes, AreCountedCellByCell) {
   for (int cell = 0; cell < kCells; ++cell) EXPECT_EQ(CountOf(counts, cell), 0u);
 }
 
+TEST(Votes, OfAPageThatHasNoneAreAnyNumber) {
+  // Two votes, and none of one: the lowest plane is made though nothing is in it.
+  for (const int plane : {1, 3}) {
+    PageCounts counts;
+    CellBits plus[4];
+    plus[plane].Set(5, 6);
+    counts.Add(kTile, plus, 4);
+    EXPECT_EQ(CountOf(counts, 6 * 16 + 5), 1u << plane);
+    EXPECT_EQ(CountOf(counts, 0), 0u);
+  }
+}
+
 TEST(Votes, OfBitsAreTheirNumber) {
   std::mt19937_64 random(2);
   for (int round = 0; round < 200; ++round) {
