@@ -40,6 +40,16 @@ EDGE_SE2 0 1 1 0 0 100 0 0 100 0 400
 EDGE_BEARING_SE2_XY 0 5 0.6 100
 )";
 
+#ifndef GRATICULE_SHARED_LIBRARIES
+TEST_F(Solve, LoadsNoReadersOfPictures) {
+  RunOptions options;
+  options.environment["LD_TRACE_LOADED_OBJECTS"] = "1";
+  const Outcome outcome = RunCommand({"--version"}, options);
+  EXPECT_NE(outcome.out.find("libcholmod"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("libopencv"), std::string::npos) << outcome.out;
+}
+#endif
+
 TEST_F(Solve, SaysInJsonWhatProgramsNeed) {
   const Outcome outcome = RunCommand({"solve", Square(), "--json", "--set", "initialise=file"});
   EXPECT_EQ(outcome.exit_code, 0);
