@@ -380,7 +380,9 @@ int RunFromArguments(int argc, char** argv) {
   AddLists(&app, &chosen);
   ExpectCommand(app, argc, argv);
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = GuideAsCommand({argv + 1, argv + argc});
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error, std::cout, std::cerr);  // help, version
     std::cerr << "graticule: " << error.what() << "\nRun with --help for more information.\n";

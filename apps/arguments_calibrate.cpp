@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "arguments_parts.hpp"
 
 namespace graticule::apps {
@@ -42,7 +44,91 @@ void AddTarget(CLI::App* calibrate, Chosen* chosen) {
   sub->add_option("--rows", command->rows, "instead of as many as fit")->check(CLI::Range(1, 200));
 }
 
+void AddGuide(CLI::App* calibrate, Chosen* chosen) {
+  auto command = std::make_shared<CalibrateGuideCommand>();
+  CLI::App* sub = AddCommand(
+      calibrate, "guide", "a page that says what to show the camera until it is calibrated",
+      "  graticule calibrate guide --camera 0 --target target.yaml -o camera.yaml --mirror\n"
+      "  graticule calibrate guide --simulate\n"
+      "  graticule calibrate guide --headless --simulate --lens b -o camera.yaml --json",
+      command, chosen);
+  sub->add_option("--camera", command->camera, "the number of a camera that is plugged in")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_option("--video", command->video, "a film instead; its steadiest frames are taken");
+  sub->add_option("--folder", command->folder,
+                  "pictures instead, each of them taken; new ones are waited for");
+  sub->add_option("--simulate", command->simulate,
+                  "a simulated person who follows the advice: images (rendered), or corners alone")
+      ->expected(0, 1)
+      ->default_str("images")
+      ->check(CLI::IsMember({"images", "corners"}));
+  sub->add_option("--lens", command->lens,
+                  "of the simulation: a to f, as in the thesis' figure 5.8")
+      ->capture_default_str();
+  sub->add_option("--blur", command->blur_px, "px, of rendered images")
+      ->check(CLI::Range(0., 20.))
+      ->capture_default_str();
+  sub->add_option("--noise", command->noise, "shades of 255, of rendered images")
+      ->check(CLI::Range(0., 100.))
+      ->capture_default_str();
+  sub->add_option("--seed", command->seed, "of the simulation")->capture_default_str();
+  sub->add_option("--width", command->width, "px, asked of the camera")->check(CLI::PositiveNumber);
+  sub->add_option("--height", command->height, "px, asked of the camera")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--target", command->target,
+                  "the target's description, YAML; without it, AprilCal's mosaic: 8 x 6 tags of "
+                  "tag36h11, 38.1 mm from one to the next");
+  sub->add_option("--decimate", command->decimate,
+                  "tags are looked for in a picture smaller by this factor; 1 finds small ones")
+      ->check(CLI::Range(1., 8.))
+      ->capture_default_str();
+  sub->add_option("--take-every", command->take_every_s,
+                  "s: take the steadiest frame of every so many, matched or not; 0: only what "
+                  "matches (the default, but for films: 1)")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_option("--model", command->model, "a camera model")->capture_default_str();
+  sub->add_option("--board", command->board,
+                  "the target's shape: flat, warped (bent), or free (every corner its own)")
+      ->check(CLI::IsMember({"flat", "warped", "free"}))
+      ->capture_default_str();
+  sub->add_option("--accuracy", command->accuracy_px,
+                  "px, that the expected error shall not exceed anywhere in the image")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--sigma", command->sigma_px,
+                  "px, standard deviation of a corner on either axis; without it, as the residuals "
+                  "say")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("-o,--output", command->outputs,
+                  "write the camera: FILE, or FORMAT:FILE as calibrate does; may be repeated")
+      ->allow_extra_args(false);
+  sub->add_option("--detections", command->detections,
+                  "write the corners of the frames taken, for `graticule calibrate`: .json");
+  sub->add_option("--listen", command->listen,
+                  "an address of this machine, for a browser elsewhere; the page's address then "
+                  "holds a secret")
+      ->capture_default_str();
+  sub->add_option("--port", command->port, "of the page; 0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  sub->add_flag("--mirror", command->is_mirrored, "show the live picture as a mirror");
+  sub->add_flag("--headless", command->is_headless,
+                "no page: run to the accuracy, or the source's end, as fast as it goes");
+  sub->add_option("--frames", command->frames, "end after so many frames of the live picture");
+  sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
+  AddReading(sub, &command->reading);
+}
+
 }  // namespace
+
+std::vector<std::string> GuideAsCommand(std::vector<std::string> words) {
+  const auto calibrate = std::find(words.begin(), words.end(), "calibrate");
+  const auto guide = std::find(calibrate, words.end(), "--guide");
+  if (guide == words.end()) return words;
+  words.erase(guide);
+  words.insert(std::find(words.begin(), words.end(), "calibrate") + 1, "guide");
+  return words;
+}
 
 void AddCalibrate(CLI::App* app, Chosen* chosen) {
   auto command = std::make_shared<CalibrateCommand>();
@@ -88,6 +174,7 @@ void AddCalibrate(CLI::App* app, Chosen* chosen) {
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
   AddReading(sub, &command->reading);
   AddEvaluate(sub, chosen);
+  AddGuide(sub, chosen);
   AddTarget(sub, chosen);
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 
@@ -30,5 +31,7 @@ void AddReading(CLI::App* sub, Reading* reading);
 
 /// `graticule calibrate` and what is below it.
 void AddCalibrate(CLI::App* app, Chosen* chosen);
+/// `calibrate --guide ...` as `calibrate guide ...`.
+std::vector<std::string> GuideAsCommand(std::vector<std::string> words);
 
 }  // namespace graticule::apps

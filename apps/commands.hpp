@@ -98,6 +98,31 @@ struct CalibrateEvaluateCommand {
   std::string picture;               ///< of the difference: .svg or .png
   bool json = false;
 };
+
+/// The session that says what to show the camera next.
+struct CalibrateGuideCommand {
+  int camera = -1;  ///< its number; -1: the first, where no other source is given
+  std::string video, folder;
+  std::string simulate;  ///< "", "images", or "corners"
+  std::string lens = "c";
+  double blur_px = 0.5, noise = 2;  ///< of rendered images
+  std::uint64_t seed = 1;
+  int width = 0, height = 0;  ///< asked of a camera; 0: its own
+  std::string target;         ///< "" or its description's file
+  double decimate = 2;
+  double take_every_s = -1;  ///< 0: only what matches; -1: as suits the source
+  std::string model = "angular4", board = "flat";
+  double accuracy_px = 1, sigma_px = 0;
+  std::vector<std::string> outputs;
+  std::string detections;
+  std::string listen = "127.0.0.1";
+  int port = 0;
+  bool is_mirrored = false, is_headless = false;
+  std::size_t frames = 0;  ///< of the live picture, at most; 0: no end
+  Reading reading;
+  bool json = false;
+};
+
 /// From graph to graph of a mission that has no sequence yet.
 inline constexpr double kEveryS = 10;
 
@@ -160,6 +185,7 @@ int Run(const CompareCommand& command, const Console& console);
 int Run(const MapCommand& command, const Console& console);
 int Run(const CalibrateCommand& command, const Console& console);
 int Run(const CalibrateEvaluateCommand& command, const Console& console);
+int Run(const CalibrateGuideCommand& command, const Console& console);
 int Run(const CalibrateTargetCommand& command, const Console& console);
 int Run(const ConvertCommand& command, const Console& console);
 int Run(const InspectCommand& command, const Console& console);

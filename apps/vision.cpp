@@ -54,6 +54,7 @@ constexpr char kVision[] = "graticule-vision";
 
 int Run(const CalibrateCommand&, const Console&) { return Become(kVision); }
 int Run(const CalibrateEvaluateCommand&, const Console&) { return Become(kVision); }
+int Run(const CalibrateGuideCommand&, const Console&) { return Become(kVision); }
 int Run(const CalibrateTargetCommand&, const Console&) { return Become(kVision); }
 
 }  // namespace graticule::apps

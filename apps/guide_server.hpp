@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "guide_loop.hpp"
+#include "guide_session.hpp"
+#include "http_server.hpp"
+
+namespace graticule::apps {
+
+/// What the page's buttons do; called by the server's threads.
+struct GuideActions {
+  std::function<void()> capture, remove, finish, resume, close;
+};
+
+struct GuideServerOptions {
+  std::string address = "127.0.0.1";
+  int port = 0;
+  bool is_mirrored = false;  ///< the page shows the live picture as a mirror, to begin with
+  double accuracy_px = 1;
+  std::string files;  ///< what the page says will be written
+};
+
+/// The guide's page and what it asks for, over HTTP.
+///
+/// On the loopback, whoever asks must call it by a name of the loopback (a page from elsewhere
+/// cannot make its own name mean this machine); on any other address, every path begins with a
+/// random token.  Buttons need a header that pages from elsewhere cannot send.  Fixed paths only.
+class GuideServer {
+ public:
+  GuideServer(const GuideServerOptions& options, const GuideSession& session, LiveBoard* board,
+              const TargetLayout& layout, const ImageSize& image, GuideActions actions);
+  ~GuideServer();
+
+  /// Where the page is.
+  std::string Url() const;
+
+ private:
+  HttpResponse Answer(const HttpRequest& request) const;
+  HttpResponse Get(const std::string& name, const HttpRequest& request) const;
+  HttpResponse Post(const std::string& name, const HttpRequest& request) const;
+  bool IsForUs(const HttpRequest& request) const;
+
+  GuideServerOptions options_;
+  const GuideSession& session_;
+  LiveBoard& board_;
+  TargetLayout layout_;
+  ImageSize image_;
+  GuideActions actions_;
+  std::string token_;                   // "" on the loopback
+  std::unique_ptr<HttpServer> server_;  // the last: it ends before what it asks
+};
+
+}  // namespace graticule::apps

@@ -1,0 +1,285 @@
+// What the calibration guide's page and its server promise, in this process: so that the thread
+// sanitizer sees all of it.
+
+#include "guide_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "graticule/factors/builtins.hpp"
+#include "graticule/problems/calibration/simulate.hpp"
+#include "http_client.hpp"
+
+namespace graticule::apps {
+namespace {
+
+using test::Asked;
+using test::BodyOf;
+using test::HttpClient;
+using test::Request;
+using test::StatusOf;
+using Json = nlohmann::json;
+
+constexpr const char* kButton = "X-Graticule: 1\r\n";
+
+Target Mosaic() {
+  Target target;
+  target.columns = 8;
+  target.rows = 6;
+  target.pitch_m = 0.0381;
+  target.family = "tag36h11";
+  return target;
+}
+
+int PortOf(const std::string& url) {
+  return std::stoi(url.substr(url.find(':', url.find("//") + 2) + 1));
+}
+
+// A session without frames, its page, and which buttons were pressed.
+struct Page {
+  CameraIntrinsics lens = StudyLenses()[2].camera;
+  TargetLayout layout = LayoutOf(Mosaic());
+  ImageSize image{"cam0", lens.width, lens.height};
+  GuideSession session{Builtins(), layout, image, {}};
+  LiveBoard board;
+  std::atomic<int> captures{0}, closes{0};
+  GuideServer server;
+
+  explicit Page(const std::string& address = "127.0.0.1")
+      : server(Options(address), session, &board, layout, image,
+               {[this] { ++captures; }, [] {}, [] {}, [] {}, [this] { ++closes; }}) {}
+  static GuideServerOptions Options(const std::string& address) {
+    GuideServerOptions options;
+    options.address = address;
+    return options;
+  }
+  int Port() const { return PortOf(server.Url()); }
+};
+
+TEST(GuideServer, ServesItsPageAndNothingElse) {
+  const Page page;
+  const int port = page.Port();
+  const std::string html = Asked(port, Request("GET", "/"));
+  EXPECT_EQ(StatusOf(html), 200);
+  EXPECT_NE(html.find("Content-Security-Policy: default-src 'self'"), std::string::npos);
+  EXPECT_NE(BodyOf(html).find("<canvas id=\"live\""), std::string::npos);
+  EXPECT_EQ(BodyOf(html).find("http"), std::string::npos);  // nothing from elsewhere
+  for (const char* path : {"/guide.js", "/guide.css", "/options.json", "/session.json"})
+    EXPECT_EQ(StatusOf(Asked(port, Request("GET", path))), 200) << path;
+  for (const char* path :
+       {"/..", "/../guide.cpp", "/../../etc/passwd", "/%2e%2e/etc/passwd", "//etc/passwd",
+        "/guide.js/../guide.css", "/guide", "/GUIDE.JS", "/guide.js%00", "/live.jpg/"})
+    EXPECT_EQ(StatusOf(Asked(port, Request("GET", path))), 404) << path;
+  EXPECT_EQ(StatusOf(Asked(port, Request("GET", "/live.jpg"))), 503);  // no picture yet
+  EXPECT_EQ(BodyOf(Asked(port, Request("HEAD", "/session.json"))), "");
+}
+
+TEST(GuideServer, SaysWhatTheSessionSays) {
+  const Page page;
+  const Json json = Json::parse(BodyOf(Asked(page.Port(), Request("GET", "/session.json"))));
+  EXPECT_EQ(json["frames"], 0);
+  EXPECT_EQ(json["width"], page.lens.width);
+  EXPECT_EQ(json["suggested"].size(), 48u);
+  EXPECT_EQ(json["suggested"][0].size(), 9u);
+  EXPECT_FALSE(json["met"]);
+}
+
+TEST(GuideServer, RefusesWhatIsTooLargeOrNoRequest) {
+  const Page page;
+  const int port = page.Port();
+  EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/capture", kButton, std::string(1025, 'x')))),
+            413);
+  EXPECT_EQ(StatusOf(Asked(
+                port, Request("POST", "/capture", "Content-Length: 99999999999999999999999\r\n"))),
+            413);
+  EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/capture", "Content-Length: -1\r\n"))), 400);
+  EXPECT_EQ(StatusOf(Asked(
+                port, Request("POST", "/capture", "Content-Length: 1\r\nContent-Length: 2\r\n"))),
+            400);
+  EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/capture", "Transfer-Encoding: chunked\r\n"))),
+            411);
+  EXPECT_EQ(StatusOf(Asked(port, Request("GET", "/" + std::string(9000, 'a')))), 431);
+  EXPECT_EQ(
+      StatusOf(Asked(port, "GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(100000, 'a'))),
+      431);
+  for (const char* bytes :
+       {"\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/2\r\n\r\n", "GET x HTTP/1.1\r\n\r\n",
+        "GET / HTTP/1.1\r\nno colon\r\n\r\n", "\x16\x03\x01\r\n\r\n"})
+    EXPECT_EQ(StatusOf(Asked(port, bytes)), 400) << bytes;
+  EXPECT_EQ(StatusOf(Asked(port, Request("DELETE", "/"))), 405);
+  EXPECT_EQ(page.captures, 0);
+  EXPECT_EQ(StatusOf(Asked(port, Request("GET", "/"))), 200);  // and goes on
+}
+
+TEST(GuideServer, TakesButtonsFromItsPageOnly) {
+  const Page page;
+  const int port = page.Port();
+  EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/capture"))), 403);
+  EXPECT_EQ(page.captures, 0);
+  EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/capture", kButton))), 200);
+  EXPECT_EQ(page.captures, 1);
+  EXPECT_EQ(StatusOf(Asked(port, Request("GET", "/capture"))), 404);
+  EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/nothing", kButton))), 404);
+  EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/close", kButton))), 200);
+  EXPECT_EQ(page.closes, 1);
+}
+
+TEST(GuideServer, AnswersOnTheLoopbackToItsNamesOnly) {
+  const Page page;
+  const auto status = [&](const std::string& host) {
+    return StatusOf(Asked(page.Port(), "GET / HTTP/1.1\r\n" + host + "\r\n"));
+  };
+  EXPECT_EQ(status("Host: localhost:8080\r\n"), 200);  // a tunnel's other end
+  EXPECT_EQ(status("Host: [::1]:80\r\n"), 200);
+  EXPECT_EQ(status("Host: evil.example\r\n"), 403);  // a name that was made to mean us
+  EXPECT_EQ(status("Host: 127.0.0.1.evil.example\r\n"), 403);
+  EXPECT_EQ(status(""), 403);
+}
+
+TEST(GuideServer, AsksForItsTokenElsewhere) {
+  const Page page("0.0.0.0");
+  const std::string url = page.server.Url();
+  const std::string path = url.substr(url.find('/', 8));
+  EXPECT_EQ(path.size(), 34u);  // 128 bits
+  EXPECT_NE(path, Page("0.0.0.0").server.Url().substr(url.find('/', 8)));
+  const int port = page.Port();
+  EXPECT_EQ(StatusOf(Asked(port, Request("GET", path))), 200);
+  EXPECT_EQ(StatusOf(Asked(port, Request("GET", path + "session.json"))), 200);
+  std::string wrong = path;
+  wrong[5] = wrong[5] == '0' ? '1' : '0';
+  for (const std::string& bad :
+       {std::string("/"), std::string("/guide.js"), wrong, path.substr(0, 20), path.substr(0, 33),
+        "/" + path, path.substr(0, 33) + "0/"})
+    EXPECT_EQ(StatusOf(Asked(port, Request("GET", bad))), 403) << bad;
+  EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/close", kButton))), 403);
+  EXPECT_EQ(page.closes, 0);
+}
+
+TEST(GuideServer, KeepsConnectionsAndItsPatience) {
+  const Page page;
+  HttpClient client(page.Port());
+  for (int i = 0; i < 3; ++i) {
+    client.Send(Request("GET", "/options.json"));
+    EXPECT_EQ(StatusOf(client.Receive()), 200);
+  }
+  client.Send(Request("GET", "/options.json") + Request("GET", "/nothing"));  // both at once
+  EXPECT_EQ(StatusOf(client.Receive()), 200);
+  EXPECT_EQ(StatusOf(client.Receive()), 404);
+  // Who says half a request keeps nobody waiting.
+  HttpClient slow(page.Port());
+  slow.Send("GET / HT");
+  EXPECT_EQ(StatusOf(Asked(page.Port(), Request("GET", "/"))), 200);
+  // More than there is room for.
+  std::vector<std::unique_ptr<HttpClient>> many;
+  int refused = 0;
+  for (int i = 0; i < 40; ++i) {
+    many.push_back(std::make_unique<HttpClient>(page.Port()));
+    many.back()->Send(Request("GET", "/options.json"));
+  }
+  for (const auto& one : many) refused += StatusOf(one->Receive()) != 200;
+  EXPECT_GE(refused, 20);
+  many.clear();
+  for (int i = 0; i < 200; ++i) {
+    if (StatusOf(Asked(page.Port(), Request("GET", "/"))) == 200) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  FAIL() << "it has not recovered";
+}
+
+TEST(GuideServer, EndsAtOnceWhileOthersWait) {
+  auto page = std::make_unique<Page>();
+  HttpClient idle(page->Port()), waits(page->Port());
+  waits.Send(Request("GET", "/live.json?after=5"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const auto start = std::chrono::steady_clock::now();
+  page.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(900));
+}
+
+TEST(GuideServer, SaysWhereItCannotListen) {
+  EXPECT_THROW(Page("localhost.example"), Error);
+  EXPECT_THROW(Page("203.0.113.7"), Error);  // of nobody (RFC 5737)
+  const Page page;
+  GuideServerOptions taken = Page::Options("127.0.0.1");
+  taken.port = page.Port();
+  LiveBoard board;
+  EXPECT_THROW(GuideServer(taken, page.session, &board, page.layout, page.image, {}), Error);
+}
+
+// All threads at once: the live loop, the session's, the server's, and several clients.
+TEST(GuideServer, ShowsASessionFromItsStartToItsEnd) {
+  CalibrateGuideCommand command;
+  command.simulate = "images";
+  const std::unique_ptr<GuideSource> source = OpenSource(command, Mosaic(), false);
+  const TargetLayout layout = LayoutOf(Mosaic());
+  const ImageSize image = source->Size();
+  GuideSession session(Builtins(), layout, image, {});
+  LiveBoard board;
+  GuideLoop loop(source.get(), &session, &board, Mosaic(), {});
+  GuideServer server(
+      Page::Options("127.0.0.1"), session, &board, layout, image,
+      {[&] { loop.CaptureNow(); }, [&] { session.RemoveLast(); }, [] {}, [] {}, [] {}});
+  const int port = PortOf(server.Url());
+  std::atomic<bool> is_stopping{false};
+  std::thread live([&] {
+    while (!is_stopping && loop.Step()) {
+    }
+  });
+  std::thread other([&] {  // a second browser
+    HttpClient client(port);
+    while (!is_stopping) {
+      client.Send(Request("GET", "/session.json"));
+      client.Receive();
+      client.Send(Request("GET", "/live.jpg"));
+      client.Receive();
+    }
+  });
+  HttpClient client(port);
+  const auto get = [&](const std::string& path) {
+    client.Send(Request("GET", path));
+    return BodyOf(client.Receive());
+  };
+  std::size_t frame = 0;
+  bool was_matched = false, was_removed = false, is_met = false;
+  std::size_t with_advice = 0, with_quads = 0, pictures = 0;
+  for (int i = 0; i < 3000 && !is_met; ++i) {
+    const Json now = Json::parse(get("/live.json?after=" + std::to_string(frame)));
+    EXPECT_GE(now["frame"].get<std::size_t>(), frame);
+    frame = now["frame"];
+    with_advice += !now["moves"].empty();
+    with_quads += !now["quads"].empty();
+    was_matched = was_matched || now["matched"].get<bool>();
+    pictures += get("/live.jpg").substr(0, 2) == "\xff\xd8";
+    const Json said = Json::parse(get("/session.json"));
+    is_met = said["met"];
+    if (!was_removed && said["frames"] == 2) {
+      was_removed = true;
+      client.Send(Request("POST", "/remove", kButton));
+      EXPECT_EQ(StatusOf(client.Receive()), 200);
+    }
+  }
+  EXPECT_TRUE(is_met);
+  EXPECT_TRUE(was_matched);
+  EXPECT_TRUE(was_removed);
+  EXPECT_GT(with_advice, 0u);
+  EXPECT_GT(with_quads, 10u);
+  EXPECT_GT(pictures, 10u);
+  loop.SetDone(true);
+  Json now;
+  for (int i = 0; i < 50 && !now["rectified"].is_boolean(); ++i) {
+    now = Json::parse(get("/live.json?after=" + std::to_string(frame)));
+    frame = now["frame"];
+    if (!now["rectified"].get<bool>()) now = Json::object();
+  }
+  EXPECT_TRUE(now["rectified"].is_boolean()) << "the rectified view";
+  is_stopping = true;
+  live.join();
+  other.join();
+}
+
+}  // namespace
+}  // namespace graticule::apps

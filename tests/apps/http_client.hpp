@@ -1,0 +1,88 @@
+#pragma once
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <string>
+
+namespace graticule::test {
+
+/// A connection to a port of the loopback, for whatever bytes a test wants to send.
+class HttpClient {
+ public:
+  explicit HttpClient(int port) : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const timeval limit = {10, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof(limit));
+    sockaddr_in address = {};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    is_open_ = connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0;
+  }
+  ~HttpClient() { close(socket_); }
+  HttpClient(const HttpClient&) = delete;
+  HttpClient& operator=(const HttpClient&) = delete;
+
+  bool IsOpen() const { return is_open_; }
+  void Send(const std::string& bytes) const {
+    std::size_t sent = 0;
+    while (sent < bytes.size()) {
+      const ssize_t count = send(socket_, &bytes[sent], bytes.size() - sent, MSG_NOSIGNAL);
+      if (count <= 0) return;
+      sent += static_cast<std::size_t>(count);
+    }
+  }
+  /// One answer, head and body; what there is where the other side ends.
+  std::string Receive() {
+    for (;;) {
+      const std::size_t end = buffer_.find("\r\n\r\n");
+      if (end != std::string::npos) {
+        const std::size_t field = buffer_.find("Content-Length: ");
+        const std::size_t length =
+            field < end ? std::stoul(buffer_.substr(field + 16)) : std::size_t{0};
+        if (buffer_.size() >= end + 4 + length) {
+          const std::string answer = buffer_.substr(0, end + 4 + length);
+          buffer_.erase(0, answer.size());
+          return answer;
+        }
+      }
+      char bytes[65536];
+      const ssize_t count = recv(socket_, bytes, sizeof(bytes), 0);
+      if (count <= 0) return std::move(buffer_);
+      buffer_.append(bytes, static_cast<std::size_t>(count));
+    }
+  }
+
+ private:
+  int socket_;
+  bool is_open_ = false;
+  std::string buffer_;
+};
+
+/// The whole answer to bytes that are sent to a port of the loopback.
+inline std::string Asked(int port, const std::string& bytes) {
+  HttpClient client(port);
+  client.Send(bytes);
+  return client.Receive();
+}
+
+inline std::string Request(const std::string& method, const std::string& path,
+                           const std::string& headers = "", const std::string& body = "") {
+  return method + " " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n" + headers +
+         (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" +
+         body;
+}
+
+/// "HTTP/1.1 404 ..." is 404.
+inline int StatusOf(const std::string& answer) {
+  return answer.size() > 12 ? std::stoi(answer.substr(9, 3)) : 0;
+}
+inline std::string BodyOf(const std::string& answer) {
+  const std::size_t end = answer.find("\r\n\r\n");
+  return end == std::string::npos ? "" : answer.substr(end + 4);
+}
+
+}  // namespace graticule::test
