@@ -224,7 +224,7 @@ std::string Told(const Guidance& guidance) {
 
 // Until the page says that it is enough, or Ctrl-C.
 void Serve(const CalibrateGuideCommand& command, const std::vector<CameraOutput>& outputs,
-           const TargetLayout& layout, const ImageSize& image, GuideSession* session,
+           const TargetLayout& layout, const GuideSource& source, GuideSession* session,
            LiveBoard* board, GuideLoop* loop, const Console& console) {
   Requests requests;
   GuideServerOptions options;
@@ -240,7 +240,7 @@ void Serve(const CalibrateGuideCommand& command, const std::vector<CameraOutput>
   actions.resume = [&] { requests.Set(&Requests::resume); };
   actions.close = [&] { requests.Set(&Requests::close); };
   Interruptible interruptible;
-  GuideServer server(options, *session, board, layout, image, actions);
+  GuideServer server(options, *session, board, layout, source.Size(), actions);
   LiveThread live(loop, &requests, command.frames);
   console.Note("open " + server.Url() + " in a browser; Ctrl-C ends");
 
@@ -261,8 +261,8 @@ void Serve(const CalibrateGuideCommand& command, const std::vector<CameraOutput>
       loop->SetDone(false);
     }
     if (!is_met) was_resumed = false;
-    const bool is_enough =
-        requests.Take(&Requests::finish) || is_at_end || (is_met && !was_resumed);
+    const bool is_enough = requests.Take(&Requests::finish) || is_at_end || source.IsAtEnd() ||
+                           (is_met && !was_resumed);
     if (is_enough && !is_done) {
       is_done = true;
       loop->SetDone(true);
@@ -299,7 +299,7 @@ int Run(const CalibrateGuideCommand& command, const Console& console) {
            loop.Step()) {
     }
   } else {
-    Serve(command, outputs, layout, source->Size(), &session, &board, &loop, console);
+    Serve(command, outputs, layout, *source, &session, &board, &loop, console);
   }
   session.Settle();
   const double wall_s =

@@ -1,6 +1,7 @@
 #include "guide_source.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <set>
 #include <thread>
@@ -52,6 +53,7 @@ class FilmSource : public GuideSource {
       : reader_(std::move(reader)),
         name_(name),
         is_camera_(is_camera),
+        is_live_(is_live),
         pace_(reader_.Rate(), is_live),
         first_(reader_.Next()) {
     if (!first_) throw Error(name + ": no frame could be read", ErrorKind::kInput);
@@ -62,24 +64,32 @@ class FilmSource : public GuideSource {
   ImageSize Size() const override {
     return {"cam0", static_cast<int>(width_), static_cast<int>(height_)};
   }
+  bool IsAtEnd() const override { return is_at_end_; }
   std::optional<SourceFrame> Next(const Guidance&, bool) override {
     std::optional<GreyImage> image = first_ ? std::move(first_) : reader_.Next();
     first_.reset();
     if (!image && is_camera_) throw Error(name_ + ": no frame came: was it unplugged?");
-    if (!image) return std::nullopt;
+    if (!image) {
+      is_at_end_ = true;
+      if (!is_live_) return std::nullopt;
+      image = last_;
+    }
     if (image->width != width_ || image->height != height_)
       throw Error(name_ + ": the size of its frames changed");
     // A camera waits by itself.
     const double seconds = is_camera_ ? Since(start_) : pace_.Next();
+    if (!is_camera_ && is_live_) last_ = *image;
     return SourceFrame{std::move(*image), seconds, std::nullopt, false};
   }
 
  private:
   FrameReader reader_;
   std::string name_;
-  bool is_camera_;
+  bool is_camera_, is_live_;
   Pace pace_;
   std::optional<GreyImage> first_;
+  GreyImage last_;
+  std::atomic<bool> is_at_end_{false};
   std::size_t width_ = 0, height_ = 0;
   Clock::time_point start_ = Clock::now();
 };

@@ -31,6 +31,8 @@ class GuideSource {
   /// Waits for the next frame, as long as a live source takes; none at its end.  Where nobody
   /// watches, a frame that says what is seen need have no picture.
   virtual std::optional<SourceFrame> Next(const Guidance& guidance, bool is_watched) = 0;
+  /// A film's last frame was shown, and is shown on where it is live.  May be asked by any thread.
+  virtual bool IsAtEnd() const { return false; }
   /// The camera that a simulation looks through.
   virtual const CameraIntrinsics* Truth() const { return nullptr; }
 };
