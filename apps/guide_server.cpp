@@ -2,10 +2,15 @@
 
 #include <arpa/inet.h>
 
+#include <cerrno>
 #include <charconv>
+#include <chrono>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "bounded_server.hpp"
+#include "graticule/solver/error.hpp"
 #include "guide_assets.hpp"
 #include "guide_json.hpp"
 
@@ -42,18 +47,20 @@ std::string NameOf(const std::string& host) {
   return host.substr(0, colon);
 }
 
-std::size_t NumberOf(const HttpRequest& request, const std::string& name) {
+std::size_t NumberOf(const httplib::Request& request, const std::string& name) {
+  const std::string text = request.get_param_value(name.c_str());
   std::size_t number = 0;
-  const auto field = request.query.find(name);
-  if (field != request.query.end())
-    std::from_chars(field->second.data(), field->second.data() + field->second.size(), number);
+  std::from_chars(text.data(), text.data() + text.size(), number);
   return number;
 }
 
-HttpResponse Refusal(int status, const std::string& why) {
-  return {status, "text/plain; charset=utf-8", why + "\n"};
+bool IsAddress(const std::string& address) {
+  in6_addr any;  // large enough for both
+  return inet_pton(AF_INET, address.c_str(), &any) == 1 ||
+         inet_pton(AF_INET6, address.c_str(), &any) == 1;
 }
 
+constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr const char* kJson = "application/json";
 
 }  // namespace
@@ -66,81 +73,133 @@ GuideServer::GuideServer(const GuideServerOptions& options, const GuideSession& 
       board_(*board),
       layout_(layout),
       image_(image),
-      actions_(std::move(actions)) {
+      actions_(std::move(actions)),
+      server_(std::make_unique<BoundedServer>()) {
   if (!IsLoopback(options_.address)) token_ = RandomToken();
-  HttpOptions http;
-  http.address = options_.address;
-  http.port = options_.port;
-  server_ = std::make_unique<HttpServer>(
-      http, [this](const HttpRequest& request) { return Answer(request); });
+  Offer();
+  Listen();
 }
 
-GuideServer::~GuideServer() { board_.Close(); }
+GuideServer::~GuideServer() {
+  board_.Close();
+  server_->stop();
+  thread_.join();
+}
 
 std::string GuideServer::Url() const {
   const bool is_six = options_.address.find(':') != std::string::npos;
   const std::string host = is_six ? "[" + options_.address + "]" : options_.address;
-  return "http://" + host + ":" + std::to_string(server_->Port()) + "/" +
+  return "http://" + host + ":" + std::to_string(options_.port) + "/" +
          (token_.empty() ? "" : token_ + "/");
 }
 
-bool GuideServer::IsForUs(const HttpRequest& request) const {
-  if (!token_.empty()) return true;  // the token says it
-  const auto host = request.headers.find("host");
-  if (host == request.headers.end()) return false;
-  const std::string name = NameOf(host->second);
-  return name == "localhost" || name == "[::1]" || IsLoopback(name);
-}
-
-HttpResponse GuideServer::Answer(const HttpRequest& request) const {
-  if (!IsForUs(request)) return Refusal(403, "this page is for the loopback only");
-  std::string name = request.path.substr(1);
-  if (!token_.empty()) {
-    const std::size_t slash = std::min(name.find('/'), name.size());
-    if (!AreEqual(token_, name.substr(0, slash)) || slash == name.size())
-      return Refusal(403, "expected the address that the program printed, with its token");
-    name = name.substr(slash + 1);
+GuideServer::Refusal GuideServer::RefusalOf(const httplib::Request& request) const {
+  if (token_.empty()) {
+    const std::string host = NameOf(request.get_header_value("Host"));
+    if (request.get_header_value_count("Host") != 1 ||
+        (host != "localhost" && host != "[::1]" && !IsLoopback(host)))
+      return {403, "this page is for the loopback only"};
+  } else if (!AreEqual("/" + token_ + "/", request.path.substr(0, token_.size() + 2))) {
+    return {403, "expected the address that the program printed, with its token"};
   }
-  if (request.method == "GET" || request.method == "HEAD") return Get(name, request);
-  if (request.method == "POST") return Post(name, request);
-  return Refusal(405, "expected GET or POST");
+  if (request.method != "GET" && request.method != "HEAD" && request.method != "POST")
+    return {405, "expected GET or POST"};
+  if (request.has_header("Transfer-Encoding")) return {411, "expected a length"};
+  if (request.get_header_value("Content-Length") != "0") return {413, "expected no content"};
+  if (request.method == "POST" && !request.has_header("X-Graticule"))
+    return {403, "expected the header X-Graticule"};
+  return {};
 }
 
-HttpResponse GuideServer::Get(const std::string& name, const HttpRequest& request) const {
-  if (name.empty()) return {200, "text/html; charset=utf-8", kGuideHtml};
-  if (name == "guide.css") return {200, "text/css; charset=utf-8", kGuideCss};
-  if (name == "guide.js") return {200, "text/javascript; charset=utf-8", kGuideJs};
-  if (name == "options.json")
-    return {
-        200, kJson,
-        nlohmann::ordered_json{{"mirror", options_.is_mirrored}, {"files", options_.files}}.dump()};
-  if (name == "live.json")
-    return {200, kJson, LiveJson(board_.WaitFor(NumberOf(request, "after")), layout_)};
-  if (name == "session.json")
-    return {200, kJson, GuidanceJson(session_.Now(), layout_, image_, options_.accuracy_px)};
-  if (name == "live.jpg") {
-    std::string picture = board_.Picture();
-    if (picture.empty()) return Refusal(503, "there is no picture yet");
-    return {200, "image/jpeg", std::move(picture)};
-  }
-  return Refusal(404, "there is nothing here");
-}
-
-HttpResponse GuideServer::Post(const std::string& name, const HttpRequest& request) const {
-  if (request.headers.count("x-graticule") == 0)
-    return Refusal(403, "expected the header X-Graticule");
-  const std::pair<const char*, const std::function<void()>&> buttons[] = {
-      {"capture", actions_.capture},
-      {"remove", actions_.remove},
-      {"finish", actions_.finish},
-      {"resume", actions_.resume},
-      {"close", actions_.close}};
-  for (const auto& [button, action] : buttons)
-    if (name == button) {
-      action();
-      return {200, kJson, "{}"};
+// Fixed paths, each behind RefusalOf.
+void GuideServer::Offer() {
+  using httplib::Request, httplib::Response, httplib::Server;
+  server_->set_default_headers(
+      {{"Cache-Control", "no-store"},
+       {"X-Content-Type-Options", "nosniff"},
+       {"Referrer-Policy", "no-referrer"},
+       {"X-Frame-Options", "DENY"},
+       {"Content-Security-Policy", "default-src 'self'; img-src 'self' blob:"}});
+  server_->set_pre_routing_handler([this](const Request& request, Response& response) {
+    const Refusal refusal = RefusalOf(request);
+    if (refusal.status == 0) return Server::HandlerResponse::Unhandled;
+    response.status = refusal.status;
+    response.set_content(refusal.why + "\n", kText);
+    return Server::HandlerResponse::Handled;
+  });
+  server_->set_error_handler([](const Request&, Response& response) {
+    if (response.body.empty() && response.status == 404)
+      response.set_content("there is nothing here\n", kText);
+  });
+  server_->set_exception_handler([](const Request&, Response& response, std::exception_ptr what) {
+    response.status = 500;
+    try {
+      std::rethrow_exception(what);
+    } catch (const std::exception& error) {
+      response.set_content(error.what() + std::string("\n"), kText);
     }
-  return Refusal(404, "there is nothing here");
+  });
+
+  // Patterns: the names have no letter that means another but the full stop.
+  const std::string base = token_.empty() ? "/" : "/" + token_ + "/";
+  const auto fixed = [&](const std::string& name, const char* body, const std::string& type) {
+    server_->Get(base + name, [=](const Request&, Response& response) {
+      response.set_content(body, type + "; charset=utf-8");
+    });
+  };
+  fixed("", kGuideHtml, "text/html");
+  fixed("guide\\.css", kGuideCss, "text/css");
+  fixed("guide\\.js", kGuideJs, "text/javascript");
+  const auto json = [&](const std::string& name, auto text) {
+    server_->Get(base + name + "\\.json", [=](const Request& request, Response& response) {
+      response.set_content(text(request), kJson);
+    });
+  };
+  json("options", [this](const Request&) {
+    return nlohmann::ordered_json{{"mirror", options_.is_mirrored}, {"files", options_.files}}
+        .dump();
+  });
+  json("live", [this](const Request& request) {
+    return LiveJson(board_.WaitFor(NumberOf(request, "after")), layout_);
+  });
+  json("session", [this](const Request&) {
+    return GuidanceJson(session_.Now(), layout_, image_, options_.accuracy_px);
+  });
+  server_->Get(base + "live\\.jpg", [this](const Request&, Response& response) {
+    const std::string picture = board_.Picture();
+    response.status = picture.empty() ? 503 : 200;
+    response.set_content(picture.empty() ? "there is no picture yet\n" : picture,
+                         picture.empty() ? kText : "image/jpeg");
+  });
+  const auto button = [&](const std::string& name, const std::function<void()>& action) {
+    server_->Post(base + name, [action](const Request&, Response& response) {
+      action();
+      response.set_content("{}", kJson);
+    });
+  };
+  button("capture", actions_.capture);
+  button("remove", actions_.remove);
+  button("finish", actions_.finish);
+  button("resume", actions_.resume);
+  button("close", actions_.close);
+}
+
+void GuideServer::Listen() {
+  if (!IsAddress(options_.address))
+    throw Error("--listen " + options_.address + ": expected an address in numbers, as 192.168.1.5",
+                ErrorKind::kUsage);
+  errno = 0;
+  const int port = options_.port == 0 ? server_->bind_to_any_port(options_.address)
+                   : server_->bind_to_port(options_.address, options_.port) ? options_.port
+                                                                            : -1;
+  if (port < 0)
+    throw Error(options_.address + " port " + std::to_string(options_.port) +
+                    ": cannot listen there: " + std::strerror(errno),
+                errno == EADDRNOTAVAIL ? ErrorKind::kUsage : ErrorKind::kOther);
+  options_.port = port;
+  thread_ = std::thread([this] { server_->listen_after_bind(); });
+  // What does not run yet cannot be stopped.
+  while (!server_->is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 }  // namespace graticule::apps

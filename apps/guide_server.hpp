@@ -3,12 +3,18 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "guide_loop.hpp"
 #include "guide_session.hpp"
-#include "http_server.hpp"
+
+namespace httplib {
+struct Request;
+}
 
 namespace graticule::apps {
+
+class BoundedServer;
 
 /// What the page's buttons do; called by the server's threads.
 struct GuideActions {
@@ -30,18 +36,27 @@ struct GuideServerOptions {
 /// random token.  Buttons need a header that pages from elsewhere cannot send.  Fixed paths only.
 class GuideServer {
  public:
+  /// Answers until it is destroyed.  Throws Error: the address is none of this machine's (kUsage),
+  /// the port is taken (kOther).
   GuideServer(const GuideServerOptions& options, const GuideSession& session, LiveBoard* board,
               const TargetLayout& layout, const ImageSize& image, GuideActions actions);
+  /// Within a second, whatever clients do.
   ~GuideServer();
+  GuideServer(const GuideServer&) = delete;
+  GuideServer& operator=(const GuideServer&) = delete;
 
   /// Where the page is.
   std::string Url() const;
 
  private:
-  HttpResponse Answer(const HttpRequest& request) const;
-  HttpResponse Get(const std::string& name, const HttpRequest& request) const;
-  HttpResponse Post(const std::string& name, const HttpRequest& request) const;
-  bool IsForUs(const HttpRequest& request) const;
+  struct Refusal {
+    int status = 0;  // 0: none
+    std::string why;
+  };
+
+  Refusal RefusalOf(const httplib::Request& request) const;
+  void Offer();
+  void Listen();
 
   GuideServerOptions options_;
   const GuideSession& session_;
@@ -49,8 +64,9 @@ class GuideServer {
   TargetLayout layout_;
   ImageSize image_;
   GuideActions actions_;
-  std::string token_;                   // "" on the loopback
-  std::unique_ptr<HttpServer> server_;  // the last: it ends before what it asks
+  std::string token_;  // "" on the loopback
+  std::unique_ptr<BoundedServer> server_;
+  std::thread thread_;  // accepts
 };
 
 }  // namespace graticule::apps

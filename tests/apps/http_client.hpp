@@ -26,45 +26,28 @@ class HttpClient {
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;
 
-  bool IsOpen() const { return is_open_; }
-  void Send(const std::string& bytes) const {
-    std::size_t sent = 0;
-    while (sent < bytes.size()) {
-      const ssize_t count = send(socket_, &bytes[sent], bytes.size() - sent, MSG_NOSIGNAL);
-      if (count <= 0) return;
-      sent += static_cast<std::size_t>(count);
-    }
+  /// False where the other side has ended.
+  bool Send(const std::string& bytes) const {
+    return is_open_ && send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
+                           static_cast<ssize_t>(bytes.size());
   }
-  /// One answer, head and body; what there is where the other side ends.
-  std::string Receive() {
-    for (;;) {
-      const std::size_t end = buffer_.find("\r\n\r\n");
-      if (end != std::string::npos) {
-        const std::size_t field = buffer_.find("Content-Length: ");
-        const std::size_t length =
-            field < end ? std::stoul(buffer_.substr(field + 16)) : std::size_t{0};
-        if (buffer_.size() >= end + 4 + length) {
-          const std::string answer = buffer_.substr(0, end + 4 + length);
-          buffer_.erase(0, answer.size());
-          return answer;
-        }
-      }
-      char bytes[65536];
-      const ssize_t count = recv(socket_, bytes, sizeof(bytes), 0);
-      if (count <= 0) return std::move(buffer_);
-      buffer_.append(bytes, static_cast<std::size_t>(count));
-    }
+  /// What comes until the other side ends.
+  std::string Receive() const {
+    std::string answer;
+    char bytes[65536];
+    for (ssize_t count; (count = recv(socket_, bytes, sizeof(bytes), 0)) > 0;)
+      answer.append(bytes, static_cast<std::size_t>(count));
+    return answer;
   }
 
  private:
   int socket_;
   bool is_open_ = false;
-  std::string buffer_;
 };
 
 /// The whole answer to bytes that are sent to a port of the loopback.
 inline std::string Asked(int port, const std::string& bytes) {
-  HttpClient client(port);
+  const HttpClient client(port);
   client.Send(bytes);
   return client.Receive();
 }
