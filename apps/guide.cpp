@@ -275,11 +275,25 @@ void Serve(const CalibrateGuideCommand& command, const std::vector<CameraOutput>
   live.Rethrow();
 }
 
+void RunHeadless(const CalibrateGuideCommand& command, const GuideSession& session,
+                 GuideLoop* loop) {
+  Interruptible interruptible;
+  // A simulated person who cannot do it must not go on for ever.
+  const std::size_t most = command.frames > 0         ? command.frames
+                           : command.simulate.empty() ? 0
+                                                      : 9000;
+  std::size_t frames = 0;
+  while (!Interruptible::WasAsked() && !session.Now().is_met && (most == 0 || frames++ < most) &&
+         loop->Step()) {
+  }
+}
+
 }  // namespace
 
 int Run(const CalibrateGuideCommand& command, const Console& console) {
   const std::vector<CameraOutput> outputs = CameraOutputsOf(command.outputs);
   if (!command.detections.empty()) ExpectEnding(command.detections, "--detections", {".json"});
+  ExpectWritable(command.detections);
   const Registry types = LoadTypes(command.reading);
   const Target target = command.target.empty() ? DefaultTarget() : ReadTarget(command.target);
   const TargetLayout layout = LayoutOf(target);
@@ -288,18 +302,16 @@ int Run(const CalibrateGuideCommand& command, const Console& console) {
   LiveBoard board;
   GuideLoop loop(source.get(), &session, &board, target, LoopOptionsOf(command));
   const auto start = std::chrono::steady_clock::now();
-  if (command.is_headless) {
-    Interruptible interruptible;
-    std::size_t frames = 0;
-    // A simulated person who cannot do it must not go on for ever.
-    const std::size_t most = command.frames > 0         ? command.frames
-                             : command.simulate.empty() ? 0
-                                                        : 9000;
-    while (!Interruptible::WasAsked() && !session.Now().is_met && (most == 0 || frames++ < most) &&
-           loop.Step()) {
-    }
-  } else {
-    Serve(command, outputs, layout, *source, &session, &board, &loop, console);
+  try {
+    if (command.is_headless)
+      RunHeadless(command, session, &loop);
+    else
+      Serve(command, outputs, layout, *source, &session, &board, &loop, console);
+  } catch (...) {
+    // A camera that was unplugged takes nothing back.
+    session.Settle();
+    Write(command, outputs, OutcomeOf(session));
+    throw;
   }
   session.Settle();
   const double wall_s =

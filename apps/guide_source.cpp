@@ -99,7 +99,7 @@ class FilmSource : public GuideSource {
 class FolderSource : public GuideSource {
  public:
   FolderSource(const std::string& folder, bool is_live)
-      : folder_(folder), is_live_(is_live), shown_(ReadGreyPhoto(Pictures().front())) {}
+      : folder_(folder), is_live_(is_live), shown_(FirstReadable(Pictures())) {}
 
   ImageSize Size() const override {
     return {"cam0", static_cast<int>(shown_.width), static_cast<int>(shown_.height)};
@@ -130,6 +130,15 @@ class FolderSource : public GuideSource {
 
  private:
   std::vector<std::string> Pictures() const { return ExpandImages({folder_}); }
+  static GreyImage FirstReadable(const std::vector<std::string>& pictures) {
+    for (std::size_t i = 0; i + 1 < pictures.size(); ++i) {
+      try {
+        return ReadGreyPhoto(pictures[i]);
+      } catch (const Error&) {
+      }
+    }
+    return ReadGreyPhoto(pictures.back());
+  }
 
   std::string folder_;
   bool is_live_;

@@ -111,6 +111,32 @@ TEST_F(Guide, RefusesWhatItCannotDo) {
   refused({"--simulate", "-o", "nowhere:" + Path("c.yaml")}, 2, "nowhere");
   Write("film.avi", "no film at all");
   refused({"--video", Path("film.avi")}, 3, "film.avi: no video");
+  std::filesystem::create_directory(Path("empty"));
+  refused({"--folder", Path("empty")}, 3, "empty: there is no picture");
+  refused({"--simulate", "-o", Path("nowhere/camera.yaml")}, 1, "nowhere");
+  refused({"--simulate", "--detections", Path("nowhere/frames.json")}, 1, "nowhere");
+}
+
+TEST_F(Guide, SaysWhereItCannotListen) {
+  const int taken = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  ASSERT_EQ(bind(taken, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(listen(taken, 1), 0);
+  getsockname(taken, reinterpret_cast<sockaddr*>(&address), &size);
+  const Outcome port = RunCommand({"calibrate", "guide", "--simulate", "corners", "--port",
+                                   std::to_string(ntohs(address.sin_port))});
+  close(taken);
+  EXPECT_EQ(port.exit_code, 1);
+  EXPECT_NE(port.err.find("cannot listen there: Address already in use"), std::string::npos)
+      << port.err;
+  // Of nobody (RFC 5737).
+  const Outcome host =
+      RunCommand({"calibrate", "guide", "--simulate", "corners", "--listen", "203.0.113.7"});
+  EXPECT_EQ(host.exit_code, 2);
+  EXPECT_NE(host.err.find("cannot listen there: Cannot assign"), std::string::npos) << host.err;
 }
 
 TEST_F(Guide, WritesWhatIsKnownWhenItIsInterrupted) {
