@@ -77,6 +77,7 @@ Eigen::MatrixXd ViewInformation::OfParameters() const {
 
 Eigen::MatrixXd PoseShare(const Eigen::Matrix<double, 6, 6>& pose,
                           const Eigen::MatrixXd& by_others) {
+  if (by_others.cols() == 0) return Eigen::MatrixXd(0, 0);
   // Rows of metres and radians: scaled to a unit diagonal before ranks are judged.
   Eigen::Matrix<double, 6, 1> scale;
   for (int i = 0; i < 6; ++i) scale[i] = pose(i, i) > 0 ? 1 / std::sqrt(pose(i, i)) : 0;

@@ -18,7 +18,7 @@ struct RunOptions {
   bool terminal_stdout = false, terminal_stderr = false;  ///< on a pseudo-terminal
   std::string folder;                                     ///< working folder; "" this process's own
   std::string interrupt_at;                               ///< SIGINT as soon as stderr says this
-  double timeout_s = 120;  ///< then it is killed, and the exit code is -1
+  double timeout_s = 500;  ///< then it is killed, and the exit code is -1
 };
 
 /// What a command said.  From a terminal lines end in \r\n.
