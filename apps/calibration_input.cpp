@@ -39,18 +39,25 @@ CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
   }
   DetectAllOptions options;
   if (!target.empty()) options.target = ReadTarget(target);
-  const bool is_video = sources.size() == 1 && IsVideoName(sources.front());
-  FoundDetections found = DetectAll(
-      is_video ? sources : ExpandImages(sources), options, [&](std::size_t done, std::size_t all) {
-        console.Progress(fmt::format("looking for the target: {} of {}", done, all));
-      });
+  const auto [cameras, strays] = GroupByCamera(ExpandImages(sources));
+  FoundDetections found = DetectCameras(cameras, options, [&](std::size_t done, std::size_t all) {
+    console.Progress(fmt::format("looking for the target: {} of {}", done, all));
+  });
   console.Progress("");
   input.detections = std::move(found.detections);
   input.target = found.target;
+  if (cameras.size() > 1) {
+    std::string names;
+    for (const CameraImages& camera : cameras) names += (names.empty() ? "" : ", ") + camera.camera;
+    input.notes.push_back("by their names these are images of several cameras: " + names);
+  }
+  for (const std::string& stray : strays)
+    input.notes.push_back(stray + ": its name belongs to none of the cameras");
   if (found.is_guessed)
     input.notes.push_back(fmt::format(
-        "the target was guessed from the images: {}; what its size is they do not say (--target)",
-        Described(found.target)));
+        "the target was guessed from the images: {}; what its size is they do not say (--target){}",
+        Described(found.target),
+        cameras.size() > 1 ? ", nor then how far the cameras are apart" : ""));
   for (const SkippedImage& skipped : found.skipped)
     input.notes.push_back(fmt::format("{}: {}", skipped.image, skipped.reason));
   return input;

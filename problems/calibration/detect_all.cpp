@@ -25,33 +25,6 @@ std::string Text(const Size& size) {
   return std::to_string(size.first) + " x " + std::to_string(size.second);
 }
 
-bool Matches(const char* pattern, const char* name) {
-  for (; *pattern; ++pattern, ++name) {
-    if (*pattern == '*') {
-      for (;; ++name) {
-        if (Matches(pattern + 1, name)) return true;
-        if (!*name) return false;
-      }
-    }
-    if (!*name || (*pattern != '?' && *pattern != *name)) return false;
-  }
-  return !*name;
-}
-
-/// Pictures of a folder whose names match, sorted.
-std::vector<std::string> PicturesOf(const fs::path& folder, const std::string& pattern) {
-  std::vector<std::string> found;
-  std::error_code problem;
-  for (const auto& entry : fs::directory_iterator(folder, problem)) {
-    const std::string name = entry.path().filename().string();
-    if (entry.is_regular_file() && IsPhotoName(name) && Matches(pattern.c_str(), name.c_str()))
-      found.push_back(entry.path().string());
-  }
-  if (problem) throw Error(folder.string() + ": " + problem.message());
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
 /// Where images come from: files, or a video's frames.
 class Source {
  public:
@@ -76,6 +49,7 @@ class Source {
 };
 
 Target Guess(const Source& source) {
+  // Evenly over all: cameras, too, come one after the other.
   constexpr std::size_t kMost = 12;
   std::vector<GreyImage> some;
   const std::size_t count = std::min(source.Size(), kMost);
@@ -101,38 +75,6 @@ struct Found {
 };
 
 }  // namespace
-
-std::vector<std::string> ExpandImages(const std::vector<std::string>& words) {
-  std::vector<std::string> images;
-  for (const std::string& word : words) {
-    const fs::path path(word);
-    const std::string last = path.filename().string();
-    std::error_code ignored;
-    std::vector<std::string> own;
-    if (fs::is_directory(path, ignored)) {
-      own = PicturesOf(path, "*");
-      if (own.empty()) throw Error(word + ": there is no picture in this folder");
-    } else if (!fs::exists(path, ignored) && last.find_first_of("*?") != std::string::npos) {
-      const fs::path folder = path.parent_path();
-      own = PicturesOf(folder.empty() ? "." : folder, last);
-      if (own.empty()) throw Error(word + ": no picture has such a name");
-    } else if (!fs::exists(path, ignored)) {
-      throw Error(word + ": No such file or directory");
-    } else {
-      own.push_back(word);
-    }
-    images.insert(images.end(), own.begin(), own.end());
-  }
-  return images;
-}
-
-bool IsVideoName(const std::string& path) {
-  std::string ending = fs::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  for (const char* known : {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg"})
-    if (ending == known) return true;
-  return false;
-}
 
 std::vector<GreyImage> ReadVideoFrames(const std::string& path, std::size_t most) {
   if (!fs::exists(path)) throw Error(path + ": No such file or directory");
@@ -229,6 +171,38 @@ FoundDetections DetectAll(const std::vector<std::string>& images, const DetectAl
   if (detections.views.empty())
     throw Error("the target (" + Described(result.target) + ") is in none of " +
                 std::to_string(found.size()) + " images");
+  return result;
+}
+
+FoundDetections DetectCameras(const std::vector<CameraImages>& cameras,
+                              const DetectAllOptions& options, const DetectProgress& progress) {
+  DetectAllOptions own = options;
+  if (cameras.size() == 1) {
+    own.camera = cameras[0].camera;
+    return DetectAll(cameras[0].images, own, progress);
+  }
+  std::vector<std::string> all;
+  for (const CameraImages& camera : cameras)
+    all.insert(all.end(), camera.images.begin(), camera.images.end());
+  FoundDetections result;
+  result.is_guessed = !options.target;
+  if (result.is_guessed) own.target = Guess(Source(all, options.video_frames));
+  result.target = *own.target;
+
+  std::vector<Detections> parts;
+  std::vector<std::string> names;
+  std::size_t before = 0;
+  for (const CameraImages& camera : cameras) {
+    own.camera = camera.camera;
+    FoundDetections found = DetectAll(camera.images, own, [&](std::size_t done, std::size_t) {
+      if (progress) progress(before + done, all.size());
+    });
+    before += camera.images.size();
+    parts.push_back(std::move(found.detections));
+    names.push_back(camera.images.front());
+    result.skipped.insert(result.skipped.end(), found.skipped.begin(), found.skipped.end());
+  }
+  result.detections = CombineCameras(std::move(parts), names);
   return result;
 }
 

@@ -26,7 +26,7 @@ struct SkippedImage {
 };
 
 struct FoundDetections {
-  Detections detections;  ///< one camera; a view is an exposure
+  Detections detections;  ///< of one camera a view is an exposure
   Target target;
   bool is_guessed = false;            ///< the target: its size is nominal (kNominalPitch_m)
   std::vector<SkippedImage> skipped;  ///< in the order of the images
@@ -39,6 +39,23 @@ using DetectProgress = std::function<void(std::size_t done, std::size_t all)>;
 /// * and ? in their last part; sorted by name within each.  Throws Error: a folder or a pattern
 /// without pictures, a file that does not exist.
 std::vector<std::string> ExpandImages(const std::vector<std::string>& words);
+
+/// The images of one camera.
+struct CameraImages {
+  std::string camera;
+  std::vector<std::string> images;
+};
+
+struct ImagesByCamera {
+  std::vector<CameraImages> cameras;
+  std::vector<std::string> strays;  ///< whose names belong to none of several cameras
+};
+
+/// Sorts images by camera, as their names say: left01.jpg, right01.jpg, or cam0/7.png, cam1/7.png
+/// are of two, since what comes before the last number differs, and the numbers are the same.  A
+/// few other pictures among them are strays.  All are of one camera ("cam0") where names do not say
+/// that.
+ImagesByCamera GroupByCamera(const std::vector<std::string>& images);
 
 /// Whether a name ends as videos' do.
 bool IsVideoName(const std::string& path);
@@ -54,5 +71,10 @@ std::vector<GreyImage> ReadVideoFrames(const std::string& path, std::size_t most
 /// looked for), the target is in none of them.
 FoundDetections DetectAll(const std::vector<std::string>& images, const DetectAllOptions& options,
                           const DetectProgress& progress = {});
+
+/// The same for the cameras of a rig, which saw one target: exposures are matched as CombineCameras
+/// does.  A target that is not described is guessed from the images of all.
+FoundDetections DetectCameras(const std::vector<CameraImages>& cameras,
+                              const DetectAllOptions& options, const DetectProgress& progress = {});
 
 }  // namespace graticule

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
 #include "command.hpp"
 
@@ -114,6 +116,50 @@ TEST_F(Calibrate, RefusesWordsThatDoNotFit) {
   EXPECT_EQ(Run(Board(4, .5, .1), {"-o", "rso:" + Path("a.yaml")}).exit_code, 2);
   EXPECT_EQ(Run(Board(4, .5, .1), {"--report", Path("a.txt")}).exit_code, 2);
   EXPECT_EQ(Files(), std::vector<std::string>{"set.json"});
+}
+
+class CalibrateRecordedImages : public CommandTest {
+ protected:
+  static std::string Path(const std::string& file) {
+    return GRATICULE_DATA_DIR "/calib/opencv_samples/" + file;
+  }
+  void SetUp() override {
+    CommandTest::SetUp();
+    if (std::filesystem::exists(Path("images/left01.jpg"))) return;
+    const std::string missing = "no recorded images: " + Path("images");
+    const char* ci = std::getenv("CI");
+    if (ci && std::string(ci) == "true") FAIL() << missing;
+    GTEST_SKIP() << missing;
+  }
+};
+
+// The folder holds left01.jpg to left14.jpg and right01.jpg to right14.jpg.
+TEST_F(CalibrateRecordedImages, OfTwoCamerasGiveARig) {
+  const std::string target = Write("target.yaml",
+                                   "graticule-target: 1\nkind: chessboard\ncolumns: 9\n"
+                                   "rows: 6\npitch_m: 0.025\nend: target\n");
+  const auto calibrate = [](std::vector<std::string> words) {
+    words.insert(words.begin(), "calibrate");
+    words.insert(words.end(), {"--model", "brown5", "--board", "flat", "--json"});
+    const Outcome outcome = RunCommand(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return json::parse(outcome.out);
+  };
+  const json found = calibrate({Path("images"), "--target", target});
+  const json recorded =
+      calibrate({Path("detections/opencv_left.json"), Path("detections/opencv_right.json")});
+  ASSERT_EQ(found["cameras"].size(), 2u);
+  EXPECT_EQ(found["cameras"][0]["name"], "left");
+  EXPECT_EQ(found["cameras"][1]["name"], "right");
+  EXPECT_NE(found["warnings"].dump().find("several cameras: left, right"), std::string::npos);
+  // OpenCV's detector found the recorded corners, 0.07 px from ours.
+  const auto baseline = [](const json& report) {
+    for (const json& number : report["cameras"][1]["parameters"])
+      if (number["name"] == "camera_from_rig x") return number["value"].get<double>();
+    return 0.;
+  };
+  EXPECT_NEAR(baseline(found), -.0833, 3e-4);
+  EXPECT_NEAR(baseline(found), baseline(recorded), 1e-4);
 }
 
 }  // namespace

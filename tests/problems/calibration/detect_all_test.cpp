@@ -104,6 +104,39 @@ TEST_F(DetectAllTest, SaysSoWhereThereIsNoTarget) {
               [&] { ExpandImages({Path("missing.png")}); });
 }
 
+TEST(GroupByCamera, GoesByWhatComesBeforeTheLastNumber) {
+  const auto names = [](const std::vector<std::string>& images) {
+    std::string text;
+    const auto [cameras, strays] = GroupByCamera(images);
+    for (const CameraImages& camera : cameras)
+      text += camera.camera + ":" + std::to_string(camera.images.size()) + " ";
+    for (const std::string& stray : strays) text += "not " + stray + " ";
+    return text;
+  };
+  EXPECT_EQ(names({"a/left1.jpg", "a/left2.jpg", "a/left3.jpg", "a/right1.jpg", "a/right2.jpg",
+                   "a/right4.jpg"}),
+            "left:3 right:3 ");
+  EXPECT_EQ(names({"cam0/1.png", "cam0/2.png", "cam0/3.png", "cam1/1.png", "cam1/2.png",
+                   "cam1/3.png", "cam1/4.png"}),
+            "cam0:3 cam1:4 ");
+  EXPECT_EQ(names({"img_1_1.jpg", "img_1_2.jpg", "img_1_3.jpg", "img_2_1.jpg", "img_2_2.jpg",
+                   "img_2_3.jpg"}),
+            "img_1:3 img_2:3 ");
+  // The name is where they differ, however deep; a picture of the rig itself is of no camera.
+  EXPECT_EQ(names({"cam0/data/1.png", "cam0/data/2.png", "cam0/data/3.png", "cam1/data/1.png",
+                   "cam1/data/2.png", "cam1/data/3.png"}),
+            "cam0:3 cam1:3 ");
+  EXPECT_EQ(names({"rig.png", "left1.png", "left2.png", "left3.png", "right1.png", "right2.png",
+                   "right3.png"}),
+            "left:3 right:3 not rig.png ");
+  // One camera: one of many names, other numbers, too few.
+  EXPECT_EQ(names({"a1.jpg", "a2.jpg", "a3.jpg", "a4.jpg"}), "cam0:4 ");
+  EXPECT_EQ(names({"top.png", "right.png", "r45.png"}), "cam0:3 ");
+  EXPECT_EQ(names({"a1.jpg", "a2.jpg", "a3.jpg", "b7.jpg", "b8.jpg", "b9.jpg"}), "cam0:6 ");
+  EXPECT_EQ(names({"a1.jpg", "a2.jpg", "a3.jpg", "b1.jpg", "b2.jpg"}), "cam0:5 ");
+  EXPECT_EQ(names({}), "cam0:0 ");
+}
+
 TEST_F(DetectAllTest, TakesFramesOfAVideo) {
   const GreyImage page = ParseGreyPhoto(Picture(640), "page.png");
   cv::Mat frame(static_cast<int>(page.height), static_cast<int>(page.width), CV_8UC1,
@@ -178,6 +211,39 @@ TEST_F(RecordedImages, ShowAChessboardThatNobodyDescribed) {
   EXPECT_LT(
       DistanceToRecorded(found.detections, "opencv_samples/detections/opencv_left.json", 4 * 54),
       0.15);
+}
+
+TEST_F(DetectAllTest, TakesTheFoldersOfARigsCameras) {
+  for (const char* camera : {"cam1", "cam0"})
+    for (const char* name : {"10.png", "20.png", "30.png"}) {
+      fs::create_directories(folder_ / "rig" / camera / "data");
+      WriteFile(Path(std::string("rig/") + camera + "/data/" + name), Picture());
+    }
+  const std::vector<std::string> images = ExpandImages({Path("rig")});
+  EXPECT_EQ(images.size(), 6u);
+  const FoundDetections found = DetectCameras(GroupByCamera(images).cameras, {});
+  ASSERT_EQ(found.detections.cameras.size(), 2u);
+  EXPECT_EQ(found.detections.cameras[0].camera, "cam0");
+  EXPECT_EQ(found.detections.exposures, 3u);
+
+  // Other numbers: two recordings, perhaps of one camera.
+  for (const char* name : {"10.png", "20.png", "30.png"})
+    fs::rename(Path(std::string("rig/cam1/data/") + name),
+               Path(std::string("rig/cam1/data/1") + name));
+  ExpectError(ErrorKind::kInput, {"not of several cameras", "cam0/data"},
+              [&] { ExpandImages({Path("rig")}); });
+}
+
+TEST_F(RecordedImages, OfTwoCamerasInOneFolderAreARig) {
+  std::vector<std::string> images;
+  for (const char* side : {"left", "right"})
+    for (const char* number : {"01", "02", "03"})
+      images.push_back(Path("opencv_samples/images/") + side + number + ".jpg");
+  const FoundDetections found = DetectCameras(GroupByCamera(images).cameras, {});
+  ASSERT_EQ(found.detections.cameras.size(), 2u);
+  EXPECT_EQ(found.detections.cameras[1].camera, "right");
+  EXPECT_EQ(found.detections.views.size(), 6u);
+  EXPECT_EQ(found.detections.exposures, 3u);
 }
 
 TEST_F(RecordedImages, ShowKalibrsGridInAFisheye) {
