@@ -19,6 +19,9 @@ void AddEvaluate(CLI::App* calibrate, Chosen* chosen) {
                   "another camera file: how far the two are apart, after the best rotation");
   sub->add_option("--plot", command->picture, "draw the difference over the image: .svg or .png");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
+  sub->add_option("--plugin", command->reading.plugins, "a plug-in with the camera's lens")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
 }
 
 void AddTarget(CLI::App* calibrate, Chosen* chosen) {
@@ -150,8 +153,10 @@ void AddCalibrate(CLI::App* app, Chosen* chosen) {
                   "write the camera: FILE, or FORMAT:FILE with opencv, ros, kalibr, mrcal or "
                   "graticule; may be repeated")
       ->allow_extra_args(false);
-  sub->add_option("--model", command->model,
-                  "a camera model, or auto: the one that predicts best what it has not seen")
+  sub->add_option(
+         "--model", command->model,
+         "a camera model, built in or a plug-in's, or auto: the built-in one that predicts "
+         "best what it has not seen")
       ->capture_default_str();
   sub->add_option("--board", command->board,
                   "the target's shape: flat, warped (bent), free (every corner its own), or auto")

@@ -65,6 +65,7 @@ int Run(const CalibrateEvaluateCommand& command, const Console& console) {
     if (command.against.empty()) throw Error("--plot goes with --against", ErrorKind::kUsage);
     ExpectEnding(command.picture, "--plot", {".svg", ".png"});
   }
+  LoadTypes(command.reading);  // for the lenses
   const Detections test = LoadCalibrationInput(command.sources, command.target, console).detections;
   const CalibrationState state = StateOf(command.camera, test);
   const ReprojectionError error = EvaluateOn(state, test);

@@ -96,6 +96,7 @@ struct CalibrateEvaluateCommand {
   std::string target;                ///< "" or its description's file
   std::string against;               ///< "" or another camera file
   std::string picture;               ///< of the difference: .svg or .png
+  Reading reading;
   bool json = false;
 };
 

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "graticule/factors/builtins.hpp"
+#include "graticule/factors/lens_plugin.hpp"
 #include "graticule/io/trajectory.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/plugin.hpp"
@@ -30,8 +31,9 @@ std::string CountByType(std::size_t size, const Count& type_of) {
 
 Registry LoadTypes(const Reading& reading) {
   Registry types = Builtins();
-  LoadPluginsFromPath(&types);
-  for (const std::string& file : reading.plugins) LoadPlugin(file, &types);
+  std::vector<PluginInfo> loaded = LoadPluginsFromPath(&types);
+  for (const std::string& file : reading.plugins) loaded.push_back(LoadPlugin(file, &types));
+  for (const PluginInfo& plugin : loaded) LoadLenses(plugin.file, types);
   return types;
 }
 

@@ -1,6 +1,8 @@
 #include "graticule/factors/camera_model.hpp"
 
-#include <string>
+#include <deque>
+#include <mutex>
+#include <shared_mutex>
 
 #include "graticule/factors/reprojection.hpp"
 #include "graticule/solver/error.hpp"
@@ -10,40 +12,85 @@ namespace graticule {
 namespace {
 
 template <class Lens>
-constexpr CameraModel Model(bool sees_behind) {
+CameraModel Model() {
   return {Lens::kName,
           Lens::kFields,
           4 + Lens::kTerms,
+          lens::Start<Lens>::kTerms,
           ProjectThrough<Lens>,
-          sees_behind,
+          lens::SeesBehind<Lens>::value,
           CameraVariable<Lens>::kName,
           Reprojection<Lens>::kName,
           PriorCamera<Lens>::kName,
           CornerReprojection<Lens>::kName};
 }
 
-constexpr CameraModel kModels[] = {
-    Model<PinholeLens>(false),   Model<Radial2Lens>(false),        Model<Radial3Lens>(false),
-    Model<Brown4Lens>(false),    Model<Brown5Lens>(false),         Model<Brown8Lens>(false),
-    Model<AngularLens<1>>(true), Model<AngularLens<2>>(true),      Model<AngularLens<3>>(true),
-    Model<AngularLens<4>>(true), Model<AngularLens<5>>(true),      Model<AngularLens<6>>(true),
-    Model<UnifiedLens>(true),    Model<ExtendedUnifiedLens>(true), Model<DoubleSphereLens>(true),
+template <class... Lenses>
+std::vector<CameraModel> Models() {
+  return {Model<Lenses>()...};
+}
+
+const std::vector<CameraModel>& Builtin() {
+  static const std::vector<CameraModel> models =
+      Models<PinholeLens, Radial2Lens, Radial3Lens, Brown4Lens, Brown5Lens, Brown8Lens,
+             AngularLens<1>, AngularLens<2>, AngularLens<3>, AngularLens<4>, AngularLens<5>,
+             AngularLens<6>, UnifiedLens, ExtendedUnifiedLens, DoubleSphereLens>();
+  return models;
+}
+
+// Of plug-ins.  A camera is a value that knows its model by name, and loaded libraries are the
+// process' own: so are their lenses.  Nothing is ever taken out, and a deque does not move what it
+// holds.
+struct Added {
+  std::shared_mutex mutex;
+  std::deque<CameraModel> models;
 };
+
+Added& AddedModels() {
+  static Added added;
+  return added;
+}
+
+const CameraModel* Find(std::string_view name, const Added& added) {
+  for (const CameraModel& model : Builtin())
+    if (name == model.name) return &model;
+  for (const CameraModel& model : added.models)
+    if (name == model.name) return &model;
+  return nullptr;
+}
 
 }  // namespace
 
-Span<const CameraModel> CameraModels() { return {kModels, sizeof(kModels) / sizeof(kModels[0])}; }
+Span<const CameraModel> CameraModels() { return {Builtin().data(), Builtin().size()}; }
 
 const CameraModel& CameraModelOf(std::string_view name) {
-  std::vector<std::string_view> names;
-  for (const CameraModel& model : CameraModels()) {
+  for (const CameraModel& model : Builtin())
     if (name == model.name) return model;
-    names.emplace_back(model.name);
-  }
+  Added& added = AddedModels();
+  const std::shared_lock<std::shared_mutex> lock(added.mutex);
+  if (const CameraModel* model = Find(name, added)) return *model;
+  std::vector<std::string_view> names;
+  for (const CameraModel& model : Builtin()) names.emplace_back(model.name);
+  for (const CameraModel& model : added.models) names.emplace_back(model.name);
   std::string message =
       "no camera model '" + std::string(name) + "'" + DidYouMean(name, names) + "; there are";
   for (const std::string_view known : names) message += " " + std::string(known);
   throw Error(message, ErrorKind::kUsage);
+}
+
+void AddCameraModels(const std::vector<CameraModel>& models) {
+  Added& added = AddedModels();
+  const std::unique_lock<std::shared_mutex> lock(added.mutex);
+  std::vector<const CameraModel*> fresh;
+  for (const CameraModel& model : models) {
+    const CameraModel* known = Find(model.name, added);
+    if (!known)
+      fresh.push_back(&model);
+    else if (known->project != model.project)
+      throw Error(std::string("camera model ") + model.name + " is already taken",
+                  ErrorKind::kUsage);
+  }
+  for (const CameraModel* model : fresh) added.models.push_back(*model);
 }
 
 }  // namespace graticule

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <string_view>
+#include <type_traits>
 
 #include "graticule/factors/lie.hpp"
 
@@ -31,8 +32,9 @@ constexpr std::string_view Digit(int number) {
 ///                      double* by_point, double* by_terms)
 ///
 /// with row-major derivatives, 2 x 3 and 2 x kTerms, or null where they are not wanted.  False
-/// where the model has no image of the point.  A plug-in's lens has the same form; the factors
-/// (reprojection.hpp) are made from it.
+/// where the model has no image of the point.  It may have kSeesBehind, true where there are images
+/// of points with z <= 0, and kStart, the terms that a fit begins from where zeros do not do.  A
+/// plug-in's lens has the same form; the factors (reprojection.hpp) are made from it.
 
 namespace lens {
 
@@ -47,6 +49,24 @@ inline void ThroughPlane(double x, double y, double inverse_depth, const double 
     by_point[3 * row + 2] = -(a * x + b * y);
   }
 }
+
+/// Whether a lens has images of points with z <= 0: its kSeesBehind, if it has one.
+template <class Lens, class = void>
+struct SeesBehind : std::false_type {};
+template <class Lens>
+struct SeesBehind<Lens, std::void_t<decltype(Lens::kSeesBehind)>>
+    : std::bool_constant<Lens::kSeesBehind> {};
+
+/// The terms that a fit begins from: a lens' kStart, or zeros (null).
+template <class Lens, class = void>
+struct Start {
+  static constexpr const double* kTerms = nullptr;
+};
+template <class Lens>
+struct Start<Lens, std::void_t<decltype(Lens::kStart)>> {
+  static_assert(sizeof(Lens::kStart) == sizeof(double) * Lens::kTerms, "kStart: one a term");
+  static constexpr const double* kTerms = Lens::kStart;
+};
 
 /// True for points that a camera which looks along z through a plane can see.
 inline bool IsInFront(const double* point) { return point[2] > 1e-9; }
@@ -153,6 +173,7 @@ template <int kCount>
 struct AngularLens {
   static_assert(kCount >= 1 && kCount <= 6, "the names below");
   static constexpr int kTerms = kCount;
+  static constexpr bool kSeesBehind = true;
   static constexpr auto kNameText = TextOf<16>({"angular", Digit(kCount)});
   static constexpr auto kFieldsText =
       TextOf<64>({std::string_view("fx:px fy:px cx:px cy:px k1 k2 k3 k4 k5 k6", 23 + 3 * kCount)});
@@ -202,6 +223,8 @@ struct ExtendedUnifiedLens {
   static constexpr const char* kName = "extended_unified";
   static constexpr const char* kFields = "fx:px fy:px cx:px cy:px alpha beta";
   static constexpr int kTerms = 2;
+  static constexpr bool kSeesBehind = true;
+  static constexpr double kStart[] = {0.5, 1};  // like a fisheye
 
   static bool Bend(const double* terms, const double* point, double* bent, double* by_point,
                    double* by_terms) {
@@ -243,6 +266,8 @@ struct UnifiedLens {
   static constexpr const char* kName = "unified";
   static constexpr const char* kFields = "fx:px fy:px cx:px cy:px alpha";
   static constexpr int kTerms = 1;
+  static constexpr bool kSeesBehind = true;
+  static constexpr double kStart[] = {0.5};
 
   static bool Bend(const double* terms, const double* point, double* bent, double* by_point,
                    double* by_terms) {
@@ -263,6 +288,8 @@ struct DoubleSphereLens {
   static constexpr const char* kName = "double_sphere";
   static constexpr const char* kFields = "fx:px fy:px cx:px cy:px xi alpha";
   static constexpr int kTerms = 2;
+  static constexpr bool kSeesBehind = true;
+  static constexpr double kStart[] = {0, 0.5};
 
   static bool Bend(const double* terms, const double* point, double* bent, double* by_point,
                    double* by_terms) {

@@ -1,5 +1,6 @@
 #include "graticule/problems/calibration/fit_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "graticule/problems/calibration/state.hpp"
@@ -12,11 +13,9 @@ std::vector<double> PlainParameters(const CameraModel& model, double focal_px, d
                                     double centre_y) {
   std::vector<double> parameters = {focal_px, focal_px, centre_x, centre_y};
   parameters.resize(static_cast<std::size_t>(model.parameters), 0);
-  const std::string name = model.name;
-  // Straight is k = 1/3, 2/15, 17/315, ... there (the series of the tangent); none is a fisheye.
-  if (name == "unified") parameters[4] = 0.5;
-  if (name == "extended_unified") parameters[4] = 0.5, parameters[5] = 1;
-  if (name == "double_sphere") parameters[5] = 0.5;
+  // Of angular ones zeros, too: straight is k = 1/3, 2/15, 17/315, ... (the series of the tangent),
+  // and none is a fisheye.
+  if (model.start) std::copy(model.start, model.start + model.parameters - 4, &parameters[4]);
   return parameters;
 }
 

@@ -162,5 +162,34 @@ TEST_F(CalibrateRecordedImages, OfTwoCamerasGiveARig) {
   EXPECT_NEAR(baseline(found), baseline(recorded), 1e-4);
 }
 
+// The lens has one term: a little worse than radial2's two, far better than none.
+TEST_F(CalibrateRecordedImages, AreExplainedByALensFromAPlugin) {
+  const std::string corners = Path("detections/opencv_left.json");
+  const std::string camera = CommandTest::Path("camera.yaml");
+  const std::string record = CommandTest::Path("problem.fg");
+  const auto rms = [&](const std::string& model, std::vector<std::string> more) {
+    std::vector<std::string> words = {"calibrate", corners,    "--model",
+                                      model,       "--board",  "flat",
+                                      "--json",    "--plugin", GRATICULE_LENS_PLUGIN};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = RunCommand(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return json::parse(outcome.out)["cameras"][0]["rms_px"].get<double>();
+  };
+  const double division = rms("division", {"-o", camera, "--record", record});
+  EXPECT_LT(division, 1.1 * rms("radial2", {}));
+  EXPECT_LT(division, .5 * rms("pinhole", {}));
+
+  const Outcome checked = RunCommand({"check", record, "--plugin", GRATICULE_LENS_PLUGIN});
+  EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;
+  const Outcome tested = RunCommand(
+      {"calibrate", "evaluate", camera, corners, "--plugin", GRATICULE_LENS_PLUGIN, "--json"});
+  ASSERT_EQ(tested.exit_code, 0) << tested.err;
+  EXPECT_NEAR(json::parse(tested.out)["test"]["rms_px"].get<double>(), division, 1e-3);
+  const Outcome unknown = RunCommand({"calibrate", "evaluate", camera, corners});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("no camera model 'division'"), std::string::npos) << unknown.err;
+}
+
 }  // namespace
 }  // namespace graticule::test

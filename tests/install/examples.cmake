@@ -28,7 +28,7 @@ if(NOT IS_DIRECTORY "${moved}/${LIBDIR}/graticule/plugins")
   message(FATAL_ERROR "there is no folder for plug-ins in ${moved}")
 endif()
 
-foreach(example IN ITEMS plugin embed)
+foreach(example IN ITEMS plugin lens embed)
   file(COPY "${SOURCE}/docs/examples/${example}" DESTINATION "${WORK}")
   run("configure ${example}" "${CMAKE_COMMAND}" -S "${WORK}/${example}" -B "${WORK}/${example}/build"
     -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${moved}" "-DCMAKE_CXX_COMPILER=${CXX}"
@@ -58,6 +58,10 @@ expect("solve" "${output}" "\"termination\": *\"converged\"")
 run("marginals" "${graticule}" solve --plugin "${plugin}" "${problem}" --marginals all)
 run("check" "${graticule}" check --plugin "${plugin}" "${problem}")
 run("compare" "${graticule}" compare --plugin "${plugin}" "${problem}" --configs default gauss-newton)
+
+set(lens "${WORK}/lens/build/libdivision.so")
+run("types, with a lens" "${graticule}" types --plugin "${lens}")
+expect("types, with a lens" "${output}" "reprojection_division/1")
 
 # Without --plugin the types are missing: exit 6, and the message says which.
 execute_process(COMMAND "${graticule}" solve "${problem}" RESULT_VARIABLE code OUTPUT_VARIABLE out
