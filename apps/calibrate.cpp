@@ -11,6 +11,7 @@
 #include "graticule/io/calibration_report.hpp"
 #include "graticule/io/camera_file.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/photo.hpp"
 #include "graticule/io/svg.hpp"
 #include "graticule/problems/calibration/jackknife.hpp"
 #include "graticule/problems/calibration/picture_data.hpp"
@@ -117,6 +118,18 @@ void AddSuggestions(const Detections& detections, const std::optional<Target>& t
   }
 }
 
+// Of each camera the image that shows its lens best, where there are images.
+std::vector<std::optional<ShownImage>> ImagesToShow(const CalibrationInput& input,
+                                                    const CalibrationState& state) {
+  std::vector<std::optional<ShownImage>> images(state.cameras.size());
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    const auto view = FarthestView(input.detections, c, Camera(state.cameras[c]));
+    if (view && *view < input.files.size() && !input.files[*view].empty())
+      images[c] = {ReadGreyPhoto(input.files[*view]), input.detections.views[*view].image};
+  }
+  return images;
+}
+
 Answer Solve(const CalibrateCommand& command, const Registry& types, const CalibrationInput& input,
              const Console& console) {
   const Detections& detections = input.detections;
@@ -135,6 +148,8 @@ Answer Solve(const CalibrateCommand& command, const Registry& types, const Calib
   describe.ere.columns = 33;
   describe.ere.rows = 25;
   if (command.range_m > 0) describe.ere.range_m = command.range_m;
+  if (!command.report.empty() || !command.pictures.empty())
+    describe.images = ImagesToShow(input, answer.Solved().state);
   answer.report = DescribeCalibration(detections, answer.selection, describe);
   const auto& poses = answer.Solved().state.rig_from_target;
   const auto exposures =

@@ -45,6 +45,7 @@ CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
   });
   console.Progress("");
   input.detections = std::move(found.detections);
+  input.files = std::move(found.files);
   input.target = found.target;
   if (cameras.size() > 1) {
     std::string names;

@@ -13,6 +13,7 @@ namespace graticule::apps {
 /// What a calibration is made from.
 struct CalibrationInput {
   Detections detections;
+  std::vector<std::string> files;  ///< by view, the image that it is of; "" or none: there is none
   std::optional<Target> target;    ///< where images were looked through
   std::vector<std::string> notes;  ///< what a person should know: skipped images, a guessed target
 };

@@ -39,6 +39,7 @@ class Source {
   std::size_t Size() const { return names_.size(); }
   const std::string& Path(std::size_t i) const { return names_[i]; }
   std::string Name(std::size_t i) const { return fs::path(names_[i]).filename().string(); }
+  std::string File(std::size_t i) const { return frames_.empty() ? names_[i] : ""; }
   GreyImage Read(std::size_t i) const {
     return frames_.empty() ? ReadGreyPhoto(names_[i]) : frames_[i];
   }
@@ -166,6 +167,7 @@ FoundDetections DetectAll(const std::vector<std::string>& images, const DetectAl
       result.skipped.push_back({source.Path(i), one.problem});
       continue;
     }
+    result.files.push_back(source.File(i));
     detections.views.push_back({source.Name(i), 0, detections.exposures++, std::move(one.corners)});
   }
   if (detections.views.empty())
@@ -200,6 +202,7 @@ FoundDetections DetectCameras(const std::vector<CameraImages>& cameras,
     before += camera.images.size();
     parts.push_back(std::move(found.detections));
     names.push_back(camera.images.front());
+    result.files.insert(result.files.end(), found.files.begin(), found.files.end());
     result.skipped.insert(result.skipped.end(), found.skipped.begin(), found.skipped.end());
   }
   result.detections = CombineCameras(std::move(parts), names);

@@ -26,7 +26,8 @@ struct SkippedImage {
 };
 
 struct FoundDetections {
-  Detections detections;  ///< of one camera a view is an exposure
+  Detections detections;           ///< of one camera a view is an exposure
+  std::vector<std::string> files;  ///< by view, the image that it is of; "" of a video's frame
   Target target;
   bool is_guessed = false;            ///< the target: its size is nominal (kNominalPitch_m)
   std::vector<SkippedImage> skipped;  ///< in the order of the images

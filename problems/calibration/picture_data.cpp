@@ -186,7 +186,8 @@ CameraReport DescribeCamera(const Detections& detections, const Calibration& cal
         report.distortion->seen_to_deg = std::max(
             report.distortion->seen_to_deg, kDegrees * std::acos(std::clamp(ray->z(), -1.0, 1.0)));
   report.undistortion =
-      DescribeUndistortion(detections, camera, model, options.image, options.image_name);
+      DescribeUndistortion(detections, camera, model,
+                           camera < options.images.size() ? options.images[camera] : std::nullopt);
   return report;
 }
 

@@ -15,15 +15,20 @@
 
 namespace graticule {
 
+/// An image that a camera took.
+struct ShownImage {
+  GreyImage image;
+  std::string view;  ///< TargetView::image of what was seen in it; "": of no view
+};
+
 struct DescribeOptions {
   const Posterior* posterior = nullptr;  ///< null: no deviations, no expected errors
   double accuracy_px = 0;                ///< asked for; 0: nothing was
   std::vector<double> held_out_px;       ///< mean error by exposure (CrossValidate), or empty
   /// Gauge and range of the number that counts.  Without gauge_pixels, where corners were seen.
   EreOptions ere;
-  /// An image of the camera, for the pictures before and after undistortion and of coverage.
-  std::optional<GreyImage> image;
-  std::string image_name;  ///< the view's that it is of; "": no view's
+  /// By camera, for the pictures before and after undistortion; without one they show a grid.
+  std::vector<std::optional<ShownImage>> images;
 };
 
 /// Everything that a report says of one camera: numbers, views, residuals, coverage, the distortion
@@ -66,8 +71,12 @@ DistortionCurve DescribeDistortion(const Camera& camera, const Eigen::MatrixXd& 
 /// those that reach farthest, or the image's), with how far they are from straight lines.
 UndistortionPicture DescribeUndistortion(const Detections& detections, std::size_t camera,
                                          const Camera& model,
-                                         const std::optional<GreyImage>& image = std::nullopt,
-                                         const std::string& image_name = "");
+                                         const std::optional<ShownImage>& image = std::nullopt);
+
+/// The view of a camera whose corners lie farthest from its centre, into Detections::views: whose
+/// image shows best what the lens does.  None without corners.
+std::optional<std::size_t> FarthestView(const Detections& detections, std::size_t camera,
+                                        const Camera& model);
 
 /// Where corners are against the target's description, after the best rigid motion; none of a flat
 /// target, or where its corners are not in one plane.

@@ -120,9 +120,16 @@ void AddGrid(const Camera& camera, const CameraIntrinsics& view, UndistortionPic
 
 }  // namespace
 
+std::optional<std::size_t> FarthestView(const Detections& detections, std::size_t camera,
+                                        const Camera& model) {
+  const std::vector<const TargetView*> shown = Shown(detections, camera, model, "");
+  if (shown.empty()) return std::nullopt;
+  return static_cast<std::size_t>(shown.front() - detections.views.data());
+}
+
 UndistortionPicture DescribeUndistortion(const Detections& detections, std::size_t camera,
-                                         const Camera& model, const std::optional<GreyImage>& image,
-                                         const std::string& image_name) {
+                                         const Camera& model,
+                                         const std::optional<ShownImage>& image) {
   RectifyOptions options;
   options.keep = RectifyKeep::kAll;
   // Large images are not shown at their size.
@@ -134,8 +141,8 @@ UndistortionPicture DescribeUndistortion(const Detections& detections, std::size
   picture.before = {"as the camera sees it", model.Width(), model.Height(), {}, {}, {}};
   picture.after = {"as a pinhole camera would", view.width, view.height, {}, {}, {}};
   if (image) {
-    picture.before.image = image;
-    picture.after.image = Rectifier(model, Camera(view)).Image(*image);
+    picture.before.image = image->image;
+    picture.after.image = Rectifier(model, Camera(view)).Image(image->image);
   } else {
     AddGrid(model, view, &picture);
   }
@@ -144,11 +151,11 @@ UndistortionPicture DescribeUndistortion(const Detections& detections, std::size
   std::size_t number = 0;
   Straightness before, after;
   const std::vector<const TargetView*> shown =
-      Shown(detections, camera, model, image ? image_name : "");
+      Shown(detections, camera, model, image ? image->view : "");
   for (const TargetView& view_of : detections.views) {
     if (view_of.camera != camera) continue;
     const bool is_shown = std::find(shown.begin(), shown.end(), &view_of) != shown.end() &&
-                          (!image || view_of.image == image_name);
+                          (!image || view_of.image == image->view);
     if (number++ % every != 0 && !is_shown) continue;
     for (const ImageLine& row : RowsOf(view_of)) {
       ImageLine straight;

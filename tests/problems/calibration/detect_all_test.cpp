@@ -64,6 +64,7 @@ TEST_F(DetectAllTest, ListsWhatItCouldNotUseAndWhy) {
   EXPECT_EQ(found.detections.exposures, 3u);
   EXPECT_EQ(found.detections.views[0].image, "a.png");
   EXPECT_EQ(found.detections.views[2].image, "e.png");
+  EXPECT_EQ(found.files, (std::vector<std::string>{Path("a.png"), Path("c.png"), Path("e.png")}));
   EXPECT_EQ(found.detections.cameras[0].width, 400);
   EXPECT_EQ(found.detections.views[0].corners.size(), CornersOf(target_).size());
   ASSERT_EQ(found.skipped.size(), 3u);

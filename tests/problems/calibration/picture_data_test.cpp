@@ -104,6 +104,27 @@ TEST(PictureData, StraightensRowsOfCorners) {
   EXPECT_NE(picture.note.find("px from straight lines before"), std::string::npos);
 }
 
+TEST(PictureData, ShowsTheImageWhereThereIsOne) {
+  const Known known(Simulation());
+  const Detections& detections = known.simulated.detections;
+  const Camera camera(known.simulated.truth.cameras[0]);
+  const auto view = FarthestView(detections, 0, camera);
+  ASSERT_TRUE(view);
+  EXPECT_FALSE(FarthestView(detections, 1, camera));
+  ShownImage shown;
+  shown.image.width = static_cast<std::size_t>(camera.Width());
+  shown.image.height = static_cast<std::size_t>(camera.Height());
+  shown.image.shades.assign(shown.image.width * shown.image.height, 90);
+  shown.view = detections.views[*view].image;
+  const UndistortionPicture picture = DescribeUndistortion(detections, 0, camera, shown);
+  ASSERT_TRUE(picture.before.image && picture.after.image);
+  EXPECT_EQ(picture.before.image->shades, shown.image.shades);
+  EXPECT_EQ(picture.after.image->width, static_cast<std::size_t>(picture.after.width));
+  EXPECT_TRUE(picture.before.grid.empty());
+  // The rows of that view alone.
+  EXPECT_FALSE(picture.before.marks.empty());
+}
+
 TEST(PictureData, FindsTheBendOfABoard) {
   CalibrationSimulation simulation = Simulation();
   simulation.warp = {0.3, 0, 0};
