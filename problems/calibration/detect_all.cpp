@@ -11,7 +11,7 @@
 
 #include "graticule/io/photo.hpp"
 #include "graticule/problems/calibration/guess_target.hpp"
-#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/problems/parallel_for.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {

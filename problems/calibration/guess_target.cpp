@@ -8,7 +8,7 @@
 #include "graticule/problems/calibration/chessboard.hpp"
 #include "graticule/problems/calibration/detect.hpp"
 #include "graticule/problems/calibration/marker_layout.hpp"
-#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/problems/parallel_for.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {

@@ -9,7 +9,7 @@
 #include "graticule/factors/camera_model.hpp"
 #include "graticule/problems/calibration/bootstrap.hpp"
 #include "graticule/problems/calibration/first_guess.hpp"
-#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/problems/parallel_for.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {

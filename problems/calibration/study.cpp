@@ -7,7 +7,7 @@
 #include "graticule/factors/builtins.hpp"
 #include "graticule/problems/calibration/target_pose.hpp"
 #include "graticule/problems/chi_square.hpp"
-#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/problems/parallel_for.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/problems/parallel_for.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {

@@ -10,7 +10,7 @@
 #include "graticule/problems/mapping/cover.hpp"
 #include "graticule/problems/mapping/cover_slices.hpp"
 #include "graticule/problems/mapping/map_extent.hpp"
-#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/problems/parallel_for.hpp"
 #include "graticule/problems/mapping/projection_error.hpp"
 #include "graticule/problems/mapping/rasteriser.hpp"
 #include "graticule/problems/mapping/scan_points.hpp"
