@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -8,7 +9,7 @@
 #include "camera_output.hpp"
 #include "commands.hpp"
 #include "graticule/io/detections.hpp"
-#include "graticule/problems/calibration/max_ere.hpp"
+#include "graticule/problems/calibration/difference.hpp"
 #include "graticule/problems/calibration/target.hpp"
 #include "guide_loop.hpp"
 #include "guide_server.hpp"
@@ -99,10 +100,10 @@ std::string FilesOf(const CalibrateGuideCommand& command,
 
 // Largest difference to the camera that was simulated, the frame's rotation taken out.
 double ErrorAgainst(const CameraIntrinsics& truth, const CameraIntrinsics& found) {
-  EreOptions options;
-  options.columns = 25;
-  options.rows = 19;
-  return ModelDifference(Camera(truth), Camera(found), options).MaxPx();
+  DifferenceOptions options;
+  options.nodes = 25;
+  const CalibrationDifference difference = Difference(Camera(truth), Camera(found), options);
+  return difference.unseen > 0 ? HUGE_VAL : difference.max_px;
 }
 
 int Conclude(const CalibrateGuideCommand& command, const Outcome& outcome, const LoopTimes& times,

@@ -143,7 +143,7 @@ struct Pairs {
       if (frame.is_bootstrapping) continue;
       ere.push_back(frame.max_ere_px);
       raw.push_back(frame.raw_max_ere_px);
-      p995.push_back(frame.test.p995_px);
+      p995.push_back(frame.test.percentile_995_px);
       largest.push_back(frame.true_max_px);
       drawn.push_back(frame.drawn_max_px);
     }
@@ -169,7 +169,7 @@ struct Means {
       for (const StudyTrial& trial : run) {
         if (k >= trial.frames.size() || trial.frames[k].is_bootstrapping) continue;
         e += trial.frames[k].max_ere_px;
-        p += trial.frames[k].test.p995_px;
+        p += trial.frames[k].test.percentile_995_px;
         l += trial.frames[k].true_max_px;
         ++count;
       }
@@ -256,7 +256,7 @@ void Figure58(const std::vector<LensRuns>& all) {
     };
     fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n", runs.lens.name,
                last([](const StudyFrame& f) { return f.test.mean_px; }),
-               last([](const StudyFrame& f) { return f.test.p995_px; }),
+               last([](const StudyFrame& f) { return f.test.percentile_995_px; }),
                last([](const StudyFrame& f) { return f.test.max_px; }),
                last([](const StudyFrame& f) { return f.max_ere_px; }),
                last([](const StudyFrame& f) { return f.true_max_px; }));
@@ -281,7 +281,7 @@ void BentBoard() {
                last([](const StudyFrame& f) { return f.max_ere_px; }),
                last([](const StudyFrame& f) { return f.true_max_px; }),
                last([](const StudyFrame& f) { return f.test.mean_px; }),
-               last([](const StudyFrame& f) { return f.test.p995_px; }));
+               last([](const StudyFrame& f) { return f.test.percentile_995_px; }));
   }
 }
 

@@ -34,7 +34,8 @@ ReprojectionError SummariseErrors(std::vector<double>* distances) {
 }
 
 ReprojectionError EvaluateOn(const CalibrationState& calibration, const Detections& test,
-                             std::vector<std::vector<double>>* distances_px) {
+                             std::vector<std::vector<double>>* distances_px,
+                             const std::vector<std::optional<Se3Array>>* starts) {
   constexpr double kHuber = 3;  // px: a corner that is far off must not move the pose
   CalibrationState state = calibration;
   state.rig_from_target.assign(test.exposures, std::nullopt);
@@ -46,7 +47,16 @@ ReprojectionError EvaluateOn(const CalibrationState& calibration, const Detectio
   for (std::size_t v = 0; v < test.views.size(); ++v) {
     const TargetView& view = test.views[v];
     // Each view by itself: a rig's places are judged by its own covariance, not here.
-    const auto found = FindTargetPose(cameras[view.camera], PairsOf(state, view), kHuber, 50);
+    const CornerPairs pairs = PairsOf(state, view);
+    const Camera& camera = cameras[view.camera];
+    std::optional<TargetPose> found;
+    if (starts && (*starts)[view.exposure])
+      found = RefineTargetPose(
+          camera, pairs,
+          IsometryOf(state.camera_from_rig[view.camera]) * IsometryOf(*(*starts)[view.exposure]),
+          kHuber);
+    else
+      found = FindTargetPose(camera, pairs, kHuber, 50);
     std::vector<double> distances(view.corners.size(), std::numeric_limits<double>::quiet_NaN());
     if (found) {
       ++views;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "graticule/problems/calibration/calibrate.hpp"
@@ -21,9 +22,11 @@ ReprojectionError SummariseErrors(std::vector<double>* distances_px);
 /// pose explains count as unseen.
 ///
 /// `distances_px`, unless null, receives every corner's distance, in the order of the views, NaN
-/// where there is none.
+/// where there is none.  `starts`, unless null: poses by exposure that are nearly right, instead of
+/// looking everywhere.
 ReprojectionError EvaluateOn(const CalibrationState& calibration, const Detections& test,
-                             std::vector<std::vector<double>>* distances_px = nullptr);
+                             std::vector<std::vector<double>>* distances_px = nullptr,
+                             const std::vector<std::optional<Se3Array>>* starts = nullptr);
 
 /// The same for exposures left out in turn: `folds` calibrations, each made without its share of
 /// the exposures and evaluated on them.  Each begins at the whole calibration.

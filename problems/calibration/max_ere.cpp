@@ -285,14 +285,4 @@ std::vector<Eigen::Vector2d> SeenPixels(const Detections& detections, std::size_
   return some;
 }
 
-EreMap ModelDifference(const Camera& from, const Camera& to, const EreOptions& options) {
-  const std::vector<MovingPixel> pixels = MovingPixels(from, options.columns, options.rows);
-  MovedModel moved{&to.Model(), to.Intrinsics().parameters.data(), Eigen::Isometry3d::Identity(),
-                   RangeOf(options)};
-  FitMotion(GaugePixels(from, options), GaugeOf(options), &moved);
-  EreMap map = EmptyMap(pixels, options);
-  AddDistances(pixels, moved, 1, &map);
-  return map;
-}
-
 }  // namespace graticule

@@ -94,9 +94,4 @@ void MarkReached(const Detections& detections, std::size_t camera, const CornerU
 std::vector<Eigen::Vector2d> SeenPixels(const Detections& detections, std::size_t camera,
                                         const CornerUse& use, std::size_t most = 200);
 
-/// Difference between two models of the same camera over a grid of pixels of the first [px], the
-/// gauge's motion fitted and taken out (Gauss-Newton): what Max ERE expects.  Infinite where the
-/// second has no image of a ray.
-EreMap ModelDifference(const Camera& from, const Camera& to, const EreOptions& options);
-
 }  // namespace graticule

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "graticule/factors/builtins.hpp"
+#include "graticule/problems/calibration/difference.hpp"
 #include "graticule/problems/calibration/target_pose.hpp"
 #include "graticule/problems/chi_square.hpp"
 #include "graticule/problems/parallel_for.hpp"
@@ -43,33 +44,44 @@ Se3Array NextPose(const StudyOptions& options, const CalibrationSession& session
                       session.FrameCount(), truth, options.target, random);
 }
 
-double Quantile(std::vector<double> values, double p) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+// Rays that the second has no image of are as far off as can be.
+double LargestDifference(const Camera& first, const Camera& second) {
+  DifferenceOptions options;
+  options.nodes = 25;
+  const CalibrationDifference difference = Difference(first, second, options);
+  return difference.unseen > 0 ? kNeverPx : std::min(kNeverPx, difference.max_px);
+}
+
+// On a test set whose poses are nearly known; corners without an image are as far off as can be.
+ReprojectionError ErrorOn(const SimulatedDetections& test_set, const CameraIntrinsics& model) {
+  CalibrationState state = test_set.truth;
+  state.cameras = {model};
+  std::vector<std::vector<double>> distances;
+  EvaluateOn(state, test_set.detections, &distances, &test_set.truth.rig_from_target);
+  std::vector<double> all;
+  for (const std::vector<double>& view : distances)
+    for (const double distance : view)
+      all.push_back(std::isfinite(distance) ? std::min(kNeverPx, distance) : kNeverPx);
+  return SummariseErrors(&all);
 }
 
 StudyFrame Measure(const CalibrationSession& session, const Camera& truth, RandomNumbers* random) {
   StudyFrame frame;
   frame.true_max_px = frame.drawn_max_px = frame.max_ere_px = frame.raw_max_ere_px = kNeverPx;
-  frame.test = {kNeverPx, kNeverPx, kNeverPx};
+  frame.test.mean_px = frame.test.percentile_995_px = frame.test.max_px = kNeverPx;
   if (!session.Solved()) return frame;
   frame.is_bootstrapping = session.IsBootstrapping();
   frame.is_met = session.AccuracyMet();
   frame.max_ere_px = session.MaxEre().MaxPx();
   const Camera found(session.Solved()->state.cameras[0]);
-  EreOptions options;
-  options.gauge = EreGauge::kRaw;
-  frame.raw_max_ere_px = EreGrid(found, options).MaxPx(session.Uncertainty()->OfCamera(0));
-  options.gauge = EreGauge::kRotationCompensated;
-  options.columns = 25;
-  options.rows = 19;
-  frame.true_max_px = std::min(kNeverPx, ModelDifference(truth, found, options).MaxPx());
+  EreOptions raw;
+  raw.gauge = EreGauge::kRaw;
+  frame.raw_max_ere_px = EreGrid(found, raw).MaxPx(session.Uncertainty()->OfCamera(0));
+  frame.true_max_px = LargestDifference(truth, found);
   CameraIntrinsics drawn = found.Intrinsics();
   drawn.parameters = DrawnParameters(found, session.Uncertainty()->OfCamera(0), random);
   if (drawn.parameters[0] > 0 && drawn.parameters[1] > 0)
-    frame.drawn_max_px = std::min(kNeverPx, ModelDifference(found, Camera(drawn), options).MaxPx());
+    frame.drawn_max_px = LargestDifference(found, Camera(drawn));
   return frame;
 }
 
@@ -91,7 +103,7 @@ StudyTrial RunTrial(const StudyOptions& options, const Registry& types, const Ca
     trial.frames.push_back(Measure(session, truth, &draws));
     const bool is_last = trial.frames.size() == options.frames;
     if (session.Solved() && (options.test_every_frame || is_last))
-      trial.frames.back().test = TestOn(test_set, session.Solved()->state.cameras[0]);
+      trial.frames.back().test = ErrorOn(test_set, session.Solved()->state.cameras[0]);
   }
   if (session.Solved()) trial.camera = session.Solved()->state.cameras[0];
   return trial;
@@ -145,27 +157,6 @@ SimulatedDetections TestSet(const CameraIntrinsics& truth, const TargetLayout& t
   simulation.target = target;
   simulation.sigma_px = 0;
   return SimulateDetections(simulation, poses);
-}
-
-TestError TestOn(const SimulatedDetections& test_set, const CameraIntrinsics& model) {
-  const Camera camera(model);
-  constexpr double kHuberPx = 1e6;  // the test is one of least squares
-  std::vector<double> distances;
-  for (const TargetView& view : test_set.detections.views) {
-    const CornerPairs pairs = PairsOf(view.corners);
-    const Eigen::Isometry3d start = IsometryOf(*test_set.truth.rig_from_target[view.exposure]);
-    const TargetPose pose = RefineTargetPose(camera, pairs, start, kHuberPx);
-    for (std::size_t i = 0; i < pairs.pixels.size(); ++i) {
-      const auto pixel = camera.Project(pose.camera_from_target * pairs.in_target[i]);
-      distances.push_back(pixel ? std::min(kNeverPx, (*pixel - pairs.pixels[i]).norm()) : kNeverPx);
-    }
-  }
-  TestError error;
-  error.mean_px = std::accumulate(distances.begin(), distances.end(), 0.) /
-                  static_cast<double>(distances.size());
-  error.p995_px = Quantile(distances, 0.995);
-  error.max_px = Quantile(distances, 1);
-  return error;
 }
 
 std::size_t FramesNeeded(const StudyTrial& trial, double below_px) {

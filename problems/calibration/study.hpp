@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "graticule/problems/calibration/evaluate.hpp"
 #include "graticule/problems/calibration/session.hpp"
 #include "graticule/problems/calibration/simulate.hpp"
 
@@ -29,12 +30,6 @@ struct StudyOptions {
   std::uint64_t seed = 1;
 };
 
-/// Errors of a model against the truth, the thesis' way: over a test set of views all over the
-/// image, without noise, the target's pose fitted to the fixed model in each (section 5.5).
-struct TestError {
-  double mean_px = 0, p995_px = 0, max_px = 0;
-};
-
 /// After a frame of a trial.
 struct StudyFrame {
   bool is_bootstrapping = true;
@@ -46,7 +41,9 @@ struct StudyFrame {
   /// The same difference to a camera that is drawn from the session's posterior: what true_max_px
   /// is like where the posterior is right.
   double drawn_max_px = 0;
-  TestError test;  ///< where it was asked for
+  /// On a test set of views all over the image, without noise (EvaluateOn, begun at the true
+  /// poses), where it was asked for.
+  ReprojectionError test;
 };
 
 struct StudyTrial {
@@ -60,7 +57,6 @@ std::vector<StudyTrial> RunStudy(const StudyOptions& options);
 /// The test set of a camera: target poses all over the image, near and far, tilted.
 SimulatedDetections TestSet(const CameraIntrinsics& truth, const TargetLayout& target,
                             std::size_t views = 60, std::uint64_t seed = 7);
-TestError TestOn(const SimulatedDetections& test_set, const CameraIntrinsics& model);
 
 /// The first count of frames from which on the true error stays below `below_px`; 0 if it never
 /// does.

@@ -148,16 +148,5 @@ TEST(MaxEre, FlagsWhatNoFrameReached) {
   EXPECT_FALSE(map.Worst()->is_reached);
 }
 
-TEST(ModelDifference, IsZeroForACameraThatOnlyTurned) {
-  // A pinhole that is shifted by little looks nearly like one that is turned.
-  const Camera a({"", "pinhole", 640, 480, {2000, 2000, 320, 240}});
-  const Camera b({"", "pinhole", 640, 480, {2000, 2000, 330, 240}});
-  EreOptions raw;
-  raw.gauge = EreGauge::kRaw;
-  EXPECT_NEAR(ModelDifference(a, b, raw).MaxPx(), 10, 1e-9);
-  EXPECT_LT(ModelDifference(a, b, {}).MaxPx(), .3);
-  EXPECT_LT(ModelDifference(a, a, {}).MaxPx(), 1e-9);
-}
-
 }  // namespace
 }  // namespace graticule

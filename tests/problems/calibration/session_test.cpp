@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "graticule/factors/builtins.hpp"
+#include "graticule/problems/calibration/difference.hpp"
 #include "graticule/problems/calibration/simulate.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -43,7 +44,7 @@ TEST(Session, CalibratesWhoFollowsItsSuggestions) {
     EXPECT_LT(guided.session.MaxEre().MaxPx(), 1);
     EXPECT_NEAR(guided.session.SigmaPx(), .1, .01);
     const Camera found(guided.session.Solved()->state.cameras[0]);
-    EXPECT_LT(ModelDifference(guided.truth, found, {}).MaxPx(), 1.5) << lens;
+    EXPECT_LT(Difference(guided.truth, found).max_px, 1.5) << lens;
   }
 }
 
@@ -93,9 +94,8 @@ TEST(Session, LeavesAFrameOutThatIsNoViewOfTheTarget) {
   corners.resize(3);
   EXPECT_EQ(guided.session.AddFrame(corners), FrameVerdict::kTooFewCorners);
   EXPECT_EQ(guided.session.FrameCount(), 6u);
-  EXPECT_LT(
-      ModelDifference(guided.truth, Camera(guided.session.Solved()->state.cameras[0]), {}).MaxPx(),
-      1.5);
+  EXPECT_LT(Difference(guided.truth, Camera(guided.session.Solved()->state.cameras[0])).max_px,
+            1.5);
 }
 
 TEST(Session, SolvesOtherModels) {
