@@ -1,6 +1,6 @@
 // The thesis' study of people who calibrate cameras (section 5.4 and 5.5), simulated: prints the
-// tables of docs/calibration_uncertainty.md.  Usage: graticule_calibration_study [trials]
-// [sigma_px]
+// tables of docs/calibration_uncertainty.md, and draws its figures into a folder.  Usage:
+// graticule_calibration_study [trials] [sigma_px] [folder]
 
 #include <fmt/core.h>
 
@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "calibration_figures.hpp"
 #include "graticule/factors/builtins.hpp"
-#include "graticule/problems/calibration/study.hpp"
 
 namespace graticule {
 namespace {
@@ -57,13 +57,6 @@ StudyOptions Options(const StudyLens& lens, Strategy strategy) {
   return options;
 }
 
-// Every lens, calibrated by everybody.
-struct LensRuns {
-  StudyLens lens;
-  std::vector<StudyTrial> by[3];  // as kStrategies
-};
-constexpr Strategy kStrategies[] = {Strategy::kSuggestions, Strategy::kRosRules, Strategy::kNovice};
-
 std::vector<LensRuns> RunAll() {
   std::vector<LensRuns> all;
   for (const StudyLens& lens : StudyLenses()) {
@@ -102,7 +95,8 @@ void FramesToOnePixel(const std::vector<LensRuns>& all) {
     }
 }
 
-void Table51() {
+std::vector<ParameterSpread> Table51() {
+  std::vector<ParameterSpread> spreads;
   fmt::print(
       "\n## Table 5.1 and Figure 5.5 in kind: lens c, truth known, no noise in the test set\n\n");
   fmt::print(
@@ -122,7 +116,8 @@ void Table51() {
     options.session.calibration.model = row.model;
     options.test_every_frame = false;
     options.frames = row.frames;
-    const auto run = RunStudy(options);
+    spreads.push_back({fmt::format("{}, {}", NameOf(row.strategy), row.model), RunStudy(options)});
+    const std::vector<StudyTrial>& run = spreads.back().run;
     const auto worst = Of(run, [](const StudyTrial& t) { return t.frames.back().test.max_px; });
     const auto fx = Of(run, [](const StudyTrial& t) { return t.camera.parameters[0]; });
     const auto cx = Of(run, [](const StudyTrial& t) { return t.camera.parameters[2]; });
@@ -133,6 +128,7 @@ void Table51() {
         Mean(worst), Quantile(worst, 1), Mean(fx), Deviation(fx), Mean(cx), Deviation(cx));
     std::fflush(stdout);
   }
+  return spreads;
 }
 
 // Pairs of what the session says and what is true, after every frame past the bootstrap.
@@ -160,27 +156,6 @@ void PrintRow(const std::string& lens, const char* who, const Pairs& pairs) {
              100 * optimistic / static_cast<double>(pairs.ere.size()));
 }
 
-// Means over the trials of each lens, person and number of frames, as the thesis' figure has them.
-struct Means {
-  std::vector<double> ere, p995, largest;
-  void Add(const std::vector<StudyTrial>& run) {
-    for (std::size_t k = 0; k < run.front().frames.size(); ++k) {
-      double e = 0, p = 0, l = 0, count = 0;
-      for (const StudyTrial& trial : run) {
-        if (k >= trial.frames.size() || trial.frames[k].is_bootstrapping) continue;
-        e += trial.frames[k].max_ere_px;
-        p += trial.frames[k].test.percentile_995_px;
-        l += trial.frames[k].true_max_px;
-        ++count;
-      }
-      if (count < static_cast<double>(run.size()) / 2) continue;
-      ere.push_back(e / count);
-      p995.push_back(p / count);
-      largest.push_back(l / count);
-    }
-  }
-};
-
 void Figure57(const std::vector<LensRuns>& all) {
   fmt::print(
       "\n## Figure 5.7: Max ERE against test error\n\nMeans over trials, by lens, person and "
@@ -188,13 +163,13 @@ void Figure57(const std::vector<LensRuns>& all) {
       "of frames:\n\n| lens | who | points | rank correlation with the 99.5th percentile | with "
       "the "
       "true maximum |\n|---|---|---|---|---|\n");
-  Means total, guided_means;
-  const auto print = [](const std::string& lens, const char* who, const Means& means) {
+  FrameMeans total, guided_means;
+  const auto print = [](const std::string& lens, const char* who, const FrameMeans& means) {
     fmt::print("| {} | {} | {} | {:.3f} | {:.3f} |\n", lens, who, means.ere.size(),
                RankCorrelation(means.ere, means.p995), RankCorrelation(means.ere, means.largest));
   };
   for (const LensRuns& runs : all) {
-    Means means;
+    FrameMeans means;
     for (const auto& run : runs.by) {
       means.Add(run);
       total.Add(run);
@@ -311,12 +286,13 @@ int main(int argc, char** argv) {
   const auto start = std::chrono::steady_clock::now();
   fmt::print("{} trials, pixel noise {} px\n", trials, sigma_px);
   CoverageOfTheTruth();
-  Table51();
+  const std::vector<ParameterSpread> spreads = Table51();
   BentBoard();
   const std::vector<LensRuns> all = RunAll();
   FramesToOnePixel(all);
   Figure57(all);
   Figure58(all);
+  if (argc > 3) WriteFigures(argv[3], all, spreads);
   fmt::print(stderr, "{:.0f} s\n",
              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }

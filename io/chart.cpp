@@ -144,7 +144,7 @@ void DrawCurve(const Curve& curve, std::size_t number, const Area& area, const A
   }
   Attributes stroke = plot::SeriesStroke(number, curve.points.size() > kDense ? 1.2 : 2);
   stroke.emplace_back("stroke-linejoin", "round");
-  svg->Path(line, stroke, curve.name);
+  if (!curve.dots) svg->Path(line, stroke, curve.name);
   if (Usable(curve.level, y_axis.logarithmic) && curve.level >= y_axis.low &&
       curve.level <= y_axis.high) {
     Attributes dashed = plot::SeriesStroke(number, 1.6);
@@ -152,7 +152,7 @@ void DrawCurve(const Curve& curve, std::size_t number, const Area& area, const A
     const double y = area.Y(y_axis, curve.level);
     svg->Line(area.left, y, area.right, y, dashed);
   }
-  if (curve.points.size() > kMostMarkers) return;
+  if (curve.points.size() > kMostMarkers && !curve.dots) return;
   for (const Curve::Point& point : curve.points)
     if (Usable(point.x, x_axis.logarithmic) && Usable(point.y, y_axis.logarithmic))
       svg->Circle(area.X(x_axis, point.x), area.Y(y_axis, point.y),

@@ -16,6 +16,7 @@ struct Curve {
   std::vector<Point> points;
   /// Drawn across the chart, dashed, where it is finite: the curve's mean.
   double level = std::numeric_limits<double>::quiet_NaN();
+  bool dots = false;  ///< points only, no line between them
 };
 
 /// What lies around a curve: its uncertainty.

@@ -82,6 +82,18 @@ TEST(Chart, DrawsWhatHasNoExtent) {
   EXPECT_NO_THROW(PngFromSvg(DrawBars({}), 300));
 }
 
+TEST(Chart, DrawsPointsAloneWhereThatIsAskedFor) {
+  CurveChart chart;
+  chart.curves.resize(1);
+  for (int i = 0; i < 100; ++i) chart.curves[0].points.push_back({1. * i, 1. * (i % 7)});
+  const std::string line = DrawCurves(chart);
+  EXPECT_EQ(test::Count(line, "<circle"), 0u);  // too many for marks on a line
+  chart.curves[0].dots = true;
+  const std::string dots = DrawCurves(chart);
+  EXPECT_EQ(test::Count(dots, "<circle"), 100u);
+  EXPECT_EQ(test::Count(dots, "<path") + 1, test::Count(line, "<path"));
+}
+
 TEST(Chart, StacksPhasesAndLeavesOutThoseThatTookNoTime) {
   Timing timing;
   timing.load.wall = 0.1;
