@@ -1,0 +1,60 @@
+// Real clouds with labels (mosd): the scores that the page has, less a little.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "graticule/io/cloud_files.hpp"
+#include "graticule/problems/segmentation/segment_score.hpp"
+#include "graticule/problems/segmentation/segmenter.hpp"
+
+namespace graticule {
+namespace {
+
+class SegmentRecorded : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::filesystem::is_directory(kFolder)) return;
+    const char* ci = std::getenv("CI");
+    if (ci && std::string(ci) == "true") FAIL() << "no recorded clouds: " << kFolder;
+    GTEST_SKIP() << "no recorded clouds: " << kFolder;
+  }
+  static constexpr const char* kFolder = GRATICULE_DATA_DIR "/segment/mosd";
+
+  // Means: of scenes, and of objects.
+  static SegmentScore MeanOf(const std::string& set, SegmentMethod method) {
+    std::set<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(std::string(kFolder) + "/" + set))
+      files.insert(entry.path());
+    Segmenter segmenter(DefaultsOf(method));
+    ScoreOptions options;
+    options.least_object = 20;
+    SegmentScore mean;
+    for (const auto& file : files) {
+      const PointCloud cloud = ReadCloud(file.string());
+      const SegmentScore score = ScoreOf(cloud.labels, segmenter.Segment(cloud), options);
+      mean.weighted_overlap += score.weighted_overlap / static_cast<double>(files.size());
+      mean.mean_f += score.mean_f * static_cast<double>(score.objects);
+      mean.objects += score.objects;
+    }
+    mean.mean_f /= static_cast<double>(mean.objects);
+    return mean;
+  }
+};
+
+TEST_F(SegmentRecorded, ConvexityFindsTheObjectsOfATable) {
+  const SegmentScore score = MeanOf("test", SegmentMethod::kConvex);
+  EXPECT_GT(score.weighted_overlap, 0.969);
+  EXPECT_GT(score.mean_f, 0.957);
+}
+
+TEST_F(SegmentRecorded, ColourAndNormalsAreBetterThanEitherAlone) {
+  const double joint = MeanOf("test", SegmentMethod::kJoint).mean_f;
+  EXPECT_GT(joint, MeanOf("test", SegmentMethod::kColour).mean_f);
+  EXPECT_GT(joint, MeanOf("test", SegmentMethod::kNormals).mean_f);
+}
+
+}  // namespace
+}  // namespace graticule
