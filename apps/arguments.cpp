@@ -372,6 +372,7 @@ int RunFromArguments(int argc, char** argv) {
   AddCompare(&app, &chosen);
   AddMap(&app, &chosen);
   AddCalibrate(&app, &chosen);
+  AddSegment(&app, &chosen);
   AddConvert(&app, &chosen);
   AddInspect(&app, &chosen);
   AddCheck(&app, &chosen);

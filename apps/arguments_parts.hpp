@@ -34,4 +34,7 @@ void AddCalibrate(CLI::App* app, Chosen* chosen);
 /// `calibrate --guide ...` as `calibrate guide ...`.
 std::vector<std::string> GuideAsCommand(std::vector<std::string> words);
 
+/// `graticule segment`.
+void AddSegment(CLI::App* app, Chosen* chosen);
+
 }  // namespace graticule::apps

@@ -122,6 +122,18 @@ struct CalibrateGuideCommand {
   std::size_t frames = 0;  ///< of the live picture, at most; 0: no end
   Reading reading;
   bool json = false;
+struct SegmentCommand {
+  std::string cloud;       ///< a file that ReadCloud reads
+  std::string image, rig;  ///< "" or a picture and how the LIDAR is to its camera
+  std::string method = "convex";
+  std::string output;                ///< "" or a cloud with labels
+  std::string colours = "false";     ///< of the output: "false", "mean", "own"
+  std::string picture, label_image;  ///< "" or .png
+  bool json = false, keep_unseen = false, is_closed = false;
+  // Below 0: as the method has it.
+  double edge_cut_m = -1, grazing_deg = -1, k_colour = -1, k_normal = -1, concave_deg = -1;
+  int normal_radius = -1, min_size = -1;
+  int stride = 1;  ///< every so many rows and columns
 };
 
 /// From graph to graph of a mission that has no sequence yet.
@@ -188,6 +200,7 @@ int Run(const CalibrateCommand& command, const Console& console);
 int Run(const CalibrateEvaluateCommand& command, const Console& console);
 int Run(const CalibrateGuideCommand& command, const Console& console);
 int Run(const CalibrateTargetCommand& command, const Console& console);
+int Run(const SegmentCommand& command, const Console& console);
 int Run(const ConvertCommand& command, const Console& console);
 int Run(const InspectCommand& command, const Console& console);
 int Run(const CheckCommand& command, const Console& console);

@@ -49,7 +49,7 @@ struct SpinningOptions {
 };
 
 /// The scan of a rotating LIDAR, a beam a row (the highest first, where the file has it so) and the
-/// azimuth a column (counter-clockwise from straight ahead).
+/// azimuth a column (clockwise from straight behind, as a picture has it).
 ///
 /// Points that come beam by beam, as KITTI's do, are told apart where the azimuth wraps; others are
 /// sorted into `beams` rows of equal steps of elevation.  No return of a beam is lost: where two

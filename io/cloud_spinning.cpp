@@ -100,6 +100,9 @@ PointCloud OrganiseSpinning(const PointCloud& cloud, const SpinningOptions& opti
     if (cloud.in_sensor[i].allFinite()) returns.push_back({i, Azimuth(cloud.in_sensor[i])});
   Rows rows = SplitWhereTheAzimuthWraps(returns);
   if (rows.size() < 2 || rows.size() > beams + 2) rows = SplitByElevation(cloud, returns, beams);
+  // Clockwise from straight behind: what is ahead is in the middle, left on the left.
+  for (auto& row : rows)
+    for (Return& one : row) one.azimuth = std::fmod(1.5 * kTurn - one.azimuth, kTurn);
   for (auto& row : rows)
     std::stable_sort(row.begin(), row.end(),
                      [](const Return& a, const Return& b) { return a.azimuth < b.azimuth; });

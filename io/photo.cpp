@@ -39,9 +39,24 @@ cv::Mat Decode(std::string_view contents, const std::string& name, int mode) {
   return image;
 }
 
-std::string Encode(const cv::Mat& image, int quality) {
+// OpenCV's order of channels.
+cv::Mat BlueFirst(const ColourImage& image) {
+  cv::Mat out(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC3);
+  const std::uint8_t* in = image.rgb.data();
+  for (int row = 0; row < out.rows; ++row) {
+    std::uint8_t* to = out.ptr(row);
+    for (int i = 0; i < out.cols; ++i, in += 3, to += 3) {
+      to[0] = in[2];
+      to[1] = in[1];
+      to[2] = in[0];
+    }
+  }
+  return out;
+}
+
+std::string Encode(const char* ending, const cv::Mat& image, const std::vector<int>& how) {
   std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality}))
+  if (!cv::imencode(ending, image, bytes, how))
     throw Error("the picture could not be packed", ErrorKind::kOther);
   return {bytes.begin(), bytes.end()};
 }
@@ -90,23 +105,23 @@ bool IsPhotoName(const std::string& path) {
 }
 
 std::string FormatJpeg(const ColourImage& image, int quality) {
-  cv::Mat out(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC3);
-  const std::uint8_t* in = image.rgb.data();
-  for (int row = 0; row < out.rows; ++row) {
-    std::uint8_t* to = out.ptr(row);
-    for (int i = 0; i < out.cols; ++i, in += 3, to += 3) {
-      to[0] = in[2];
-      to[1] = in[1];
-      to[2] = in[0];
-    }
-  }
-  return Encode(out, quality);
+  return Encode(".jpg", BlueFirst(image), {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
 std::string FormatJpeg(const GreyImage& image, int quality) {
-  return Encode(cv::Mat(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC1,
+  return Encode(".jpg",
+                cv::Mat(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC1,
                         const_cast<std::uint8_t*>(image.shades.data())),
-                quality);
+                {cv::IMWRITE_JPEG_QUALITY, quality});
+}
+
+std::string FormatPng(const ColourImage& image) { return Encode(".png", BlueFirst(image), {}); }
+
+std::string FormatPng16(const std::vector<std::uint16_t>& shades, std::size_t width) {
+  return Encode(".png",
+                cv::Mat(static_cast<int>(shades.size() / width), static_cast<int>(width), CV_16UC1,
+                        const_cast<std::uint16_t*>(shades.data())),
+                {});
 }
 
 }  // namespace graticule

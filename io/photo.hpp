@@ -31,5 +31,8 @@ bool IsPhotoName(const std::string& path);
 /// JPEG and PNG bytes: for pages and reports.  The quality is 1 to 100.
 std::string FormatJpeg(const ColourImage& image, int quality = 85);
 std::string FormatJpeg(const GreyImage& image, int quality = 85);
+std::string FormatPng(const ColourImage& image);
+/// Sixteen bits a pixel, the top row first.
+std::string FormatPng16(const std::vector<std::uint16_t>& shades, std::size_t width);
 
 }  // namespace graticule
