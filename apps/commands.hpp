@@ -122,6 +122,8 @@ struct CalibrateGuideCommand {
   std::size_t frames = 0;  ///< of the live picture, at most; 0: no end
   Reading reading;
   bool json = false;
+};
+
 struct SegmentCommand {
   std::string cloud;       ///< a file that ReadCloud reads
   std::string image, rig;  ///< "" or a picture and how the LIDAR is to its camera

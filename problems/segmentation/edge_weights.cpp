@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graticule/problems/segmentation/wide_loop.hpp"
+
 namespace graticule {
 namespace {
 
@@ -10,14 +12,14 @@ constexpr float kPi = 3.14159265358979f;
 constexpr std::size_t kColourBins = 442 * EdgeWeights::kColourSteps;  // sqrt(3) 255 < 442
 constexpr std::size_t kAngleBins = EdgeWeights::kAngleSteps + 1;
 
-inline std::uint16_t ColourWeight(int dr, int dg, int db) {
+GRATICULE_WIDE inline std::uint16_t ColourWeight(int dr, int dg, int db) {
   const float squared = static_cast<float>(dr * dr + dg * dg + db * db);
   return static_cast<std::uint16_t>(
       static_cast<int>(std::sqrt(squared) * EdgeWeights::kColourSteps));
 }
 
 // Abramowitz and Stegun 4.4.45, within 7e-5 rad; of a point without a normal, none.
-inline std::uint16_t AngleWeight(float dot) {
+GRATICULE_WIDE inline std::uint16_t AngleWeight(float dot) {
   const float x = std::min(std::fabs(dot), 1.0f);
   const float sharp =
       std::sqrt(1 - x) * (1.5707288f + x * (-0.2121144f + x * (0.0742610f - x * 0.0187293f)));
@@ -45,9 +47,11 @@ void EdgeWeights::WeighColours(const ScanMesh& mesh, const Rgb* colours) {
     const std::size_t step = static_cast<std::size_t>(mesh.Step(d));
     std::uint16_t* to = &colour_[static_cast<std::size_t>(d) * n];
     const std::uint8_t *r = red_.data(), *g = green_.data(), *b = blue_.data();
+    RunWide([=]() GRATICULE_WIDE {
 #pragma GCC ivdep
-    for (std::size_t i = 0; i < n - std::min(n, step); ++i)
-      to[i] = ColourWeight(r[i + step] - r[i], g[i + step] - g[i], b[i + step] - b[i]);
+      for (std::size_t i = 0; i < n - std::min(n, step); ++i)
+        to[i] = ColourWeight(r[i + step] - r[i], g[i + step] - g[i], b[i + step] - b[i]);
+    });
   }
   std::size_t k = ScanMesh::kDirections * n;
   for (const auto& [i, j] : mesh.Seam()) colour_[k++] = weigh(i, j);
@@ -63,11 +67,13 @@ void EdgeWeights::WeighAngles(const ScanMesh& mesh, const SurfaceNormals& normal
   for (int d = 0; d < ScanMesh::kDirections; ++d) {
     const std::size_t step = static_cast<std::size_t>(mesh.Step(d));
     std::uint16_t* to = &angle_[static_cast<std::size_t>(d) * n];
+    RunWide([=]() GRATICULE_WIDE {
 #pragma GCC ivdep
-    for (std::size_t i = 0; i < n - std::min(n, step); ++i) {
-      const float dot = x[i] * x[i + step] + y[i] * y[i + step] + z[i] * z[i + step];
-      to[i] = AngleWeight(dot == 0 ? 1.0f : dot);
-    }
+      for (std::size_t i = 0; i < n - std::min(n, step); ++i) {
+        const float dot = x[i] * x[i + step] + y[i] * y[i + step] + z[i] * z[i + step];
+        to[i] = AngleWeight(dot == 0 ? 1.0f : dot);
+      }
+    });
   }
   std::size_t k = ScanMesh::kDirections * n;
   for (const auto& [i, j] : mesh.Seam()) angle_[k++] = weigh(i, j);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graticule/problems/segmentation/wide_loop.hpp"
+
 namespace graticule {
 namespace {
 
@@ -27,8 +29,9 @@ struct Moments {
 };
 
 // Adds the points `away` places further along a row, where `reach` goes on.
-void AddPoints(const float* px, const float* py, const float* pz, std::ptrdiff_t away,
-               const float* reach, std::size_t first, std::size_t last, Moments& to) {
+GRATICULE_WIDE inline void AddPoints(const float* px, const float* py, const float* pz,
+                                     std::ptrdiff_t away, const float* reach, std::size_t first,
+                                     std::size_t last, Moments& to) {
   float *n = to.n, *x = to.x, *y = to.y, *z = to.z;
   float *xx = to.xx, *xy = to.xy, *xz = to.xz, *yy = to.yy, *yz = to.yz, *zz = to.zz;
 #pragma GCC ivdep
@@ -50,8 +53,9 @@ void AddPoints(const float* px, const float* py, const float* pz, std::ptrdiff_t
 }
 
 // Adds the sums of another row, moved from its own points to this row's.
-void AddSums(const float* px, const float* py, const float* pz, std::ptrdiff_t away,
-             const float* reach, std::size_t count, const Moments& other, Moments& to) {
+GRATICULE_WIDE inline void AddSums(const float* px, const float* py, const float* pz,
+                                   std::ptrdiff_t away, const float* reach, std::size_t count,
+                                   const Moments& other, Moments& to) {
   float *n = to.n, *x = to.x, *y = to.y, *z = to.z;
   float *xx = to.xx, *xy = to.xy, *xz = to.xz, *yy = to.yy, *yz = to.yz, *zz = to.zz;
   const float *on = other.n, *ox = other.x, *oy = other.y, *oz = other.z;
@@ -83,20 +87,20 @@ struct Matrix3 {
 };
 
 // Its adjugate: the same eigenvectors, with the products of the two other eigenvalues.
-inline Matrix3 Adjugate(const Matrix3& m) {
+GRATICULE_WIDE inline Matrix3 Adjugate(const Matrix3& m) {
   return {m.yy * m.zz - m.yz * m.yz, m.xz * m.yz - m.xy * m.zz, m.xy * m.yz - m.xz * m.yy,
           m.xx * m.zz - m.xz * m.xz, m.xy * m.xz - m.xx * m.yz, m.xx * m.yy - m.xy * m.xy};
 }
 
-inline Matrix3 Square(const Matrix3& m) {
+GRATICULE_WIDE inline Matrix3 Square(const Matrix3& m) {
   return {m.xx * m.xx + m.xy * m.xy + m.xz * m.xz, m.xx * m.xy + m.xy * m.yy + m.xz * m.yz,
           m.xx * m.xz + m.xy * m.yz + m.xz * m.zz, m.xy * m.xy + m.yy * m.yy + m.yz * m.yz,
           m.xy * m.xz + m.yy * m.yz + m.yz * m.zz, m.xz * m.xz + m.yz * m.yz + m.zz * m.zz};
 }
 
-inline float Trace(const Matrix3& m) { return m.xx + m.yy + m.zz; }
+GRATICULE_WIDE inline float Trace(const Matrix3& m) { return m.xx + m.yy + m.zz; }
 
-inline Matrix3 Scaled(const Matrix3& m, float by) {
+GRATICULE_WIDE inline Matrix3 Scaled(const Matrix3& m, float by) {
   return {m.xx * by, m.xy * by, m.xz * by, m.yy * by, m.yz * by, m.zz * by};
 }
 
@@ -131,7 +135,7 @@ void SurfaceNormals::SumRow(const ScanMesh& mesh, std::size_t row, int radius, f
       const std::uint8_t* link = side > 0 ? links + step - 1 : links - step;
       for (std::size_t c = first; c < last; ++c)
         reach[c] = (link[c] >> ScanMesh::kRight & 1) != 0 ? reach[c] : 0.0f;
-      AddPoints(x, y, z, side * k, reach, first, last, to);
+      RunWide([&]() GRATICULE_WIDE { AddPoints(x, y, z, side * k, reach, first, last, to); });
     }
   }
 }
@@ -155,7 +159,9 @@ void SurfaceNormals::SumColumns(const ScanMesh& mesh, std::size_t row, int radiu
         reach[c] = (link[c] >> ScanMesh::kDown & 1) != 0 ? reach[c] : 0.0f;
       const Moments from(&row_sums_[static_cast<std::size_t>(other) % kept * kMoments * width],
                          width);
-      AddSums(x, y, z, side * k * static_cast<std::ptrdiff_t>(width), reach, width, from, to);
+      RunWide([&]() GRATICULE_WIDE {
+        AddSums(x, y, z, side * k * static_cast<std::ptrdiff_t>(width), reach, width, from, to);
+      });
     }
   }
 }
@@ -168,48 +174,51 @@ void SurfaceNormals::FitRow(const ScanMesh& mesh, std::size_t row) {
   float* is_clear = reach_.data();
   const float *sn = sum.n, *sx = sum.x, *sy = sum.y, *sz = sum.z, *sxx = sum.xx, *sxy = sum.xy,
               *sxz = sum.xz, *syy = sum.yy, *syz = sum.yz, *szz = sum.zz;
+  RunWide([=]() GRATICULE_WIDE {
 #pragma GCC ivdep
-  for (std::size_t c = 0; c < width; ++c) {
-    const float share = 1 / sn[c];
-    const float mx = sx[c] * share, my = sy[c] * share, mz = sz[c] * share;
-    const Matrix3 spread = {sxx[c] * share - mx * mx, sxy[c] * share - mx * my,
-                            sxz[c] * share - mx * mz, syy[c] * share - my * my,
-                            syz[c] * share - my * mz, szz[c] * share - mz * mz};
-    const float trace = Trace(spread);
-    const Matrix3 unit = Scaled(spread, 1 / std::max(trace, 1e-30f));
-    const Matrix3 adjugate = Adjugate(unit);
-    const float area = Trace(adjugate);
-    // Powers of the adjugate tend to the projector onto the normal; eight times the ratio's power.
-    Matrix3 power = Scaled(adjugate, 1 / std::max(area, 1e-30f));
-    for (int k = 0; k < 3; ++k) {
-      power = Square(power);
-      power = Scaled(power, 1 / std::max(Trace(power), 1e-30f));
+    for (std::size_t c = 0; c < width; ++c) {
+      const float share = 1 / sn[c];
+      const float mx = sx[c] * share, my = sy[c] * share, mz = sz[c] * share;
+      const Matrix3 spread = {sxx[c] * share - mx * mx, sxy[c] * share - mx * my,
+                              sxz[c] * share - mx * mz, syy[c] * share - my * my,
+                              syz[c] * share - my * mz, szz[c] * share - mz * mz};
+      const float trace = Trace(spread);
+      const Matrix3 unit = Scaled(spread, 1 / std::max(trace, 1e-30f));
+      const Matrix3 adjugate = Adjugate(unit);
+      const float area = Trace(adjugate);
+      // Powers of the adjugate tend to the projector onto the normal; eight times the ratio's
+      // power.
+      Matrix3 power = Scaled(adjugate, 1 / std::max(area, 1e-30f));
+      for (int k = 0; k < 3; ++k) {
+        power = Square(power);
+        power = Scaled(power, 1 / std::max(Trace(power), 1e-30f));
+      }
+      const float clear = Trace(Square(power));
+      // The column of the largest diagonal.
+      const bool is_x = (power.xx >= power.yy) & (power.xx >= power.zz);
+      const bool is_y = power.yy >= power.zz;
+      float vx = is_x ? power.xx : (is_y ? power.xy : power.xz);
+      float vy = is_x ? power.xy : (is_y ? power.yy : power.yz);
+      float vz = is_x ? power.xz : (is_y ? power.yz : power.zz);
+      const bool is_surface = (sn[c] > 2.5f) & (area > kLine);
+      const float length2 = vx * vx + vy * vy + vz * vz;
+      const float towards = vx * px[c] + vy * py[c] + vz * pz[c];
+      float scale = 1 / std::sqrt(std::max(length2, 1e-30f));
+      scale = towards > 0 ? -scale : scale;
+      // By choice, not by a factor of zero: powers of next to nothing may be no numbers.
+      vx = is_surface ? vx * scale : 0.0f;
+      vy = is_surface ? vy * scale : 0.0f;
+      vz = is_surface ? vz * scale : 0.0f;
+      nx[c] = vx;
+      ny[c] = vy;
+      nz[c] = vz;
+      // The least eigenvalue: the normal's Rayleigh quotient.
+      const float least = vx * (spread.xx * vx + 2 * (spread.xy * vy + spread.xz * vz)) +
+                          vy * (spread.yy * vy + 2 * spread.yz * vz) + vz * spread.zz * vz;
+      roughness[c] = std::sqrt(std::max(least, 0.0f));
+      is_clear[c] = (clear > kOneDirection) | !is_surface ? 1.0f : 0.0f;
     }
-    const float clear = Trace(Square(power));
-    // The column of the largest diagonal.
-    const bool is_x = (power.xx >= power.yy) & (power.xx >= power.zz);
-    const bool is_y = power.yy >= power.zz;
-    float vx = is_x ? power.xx : (is_y ? power.xy : power.xz);
-    float vy = is_x ? power.xy : (is_y ? power.yy : power.yz);
-    float vz = is_x ? power.xz : (is_y ? power.yz : power.zz);
-    const bool is_surface = (sn[c] > 2.5f) & (area > kLine);
-    const float length2 = vx * vx + vy * vy + vz * vz;
-    const float towards = vx * px[c] + vy * py[c] + vz * pz[c];
-    float scale = 1 / std::sqrt(std::max(length2, 1e-30f));
-    scale = towards > 0 ? -scale : scale;
-    // By choice, not by a factor of zero: powers of next to nothing may be no numbers.
-    vx = is_surface ? vx * scale : 0.0f;
-    vy = is_surface ? vy * scale : 0.0f;
-    vz = is_surface ? vz * scale : 0.0f;
-    nx[c] = vx;
-    ny[c] = vy;
-    nz[c] = vz;
-    // The least eigenvalue: the normal's Rayleigh quotient.
-    const float least = vx * (spread.xx * vx + 2 * (spread.xy * vy + spread.xz * vz)) +
-                        vy * (spread.yy * vy + 2 * spread.yz * vz) + vz * spread.zz * vz;
-    roughness[c] = std::sqrt(std::max(least, 0.0f));
-    is_clear[c] = (clear > kOneDirection) | !is_surface ? 1.0f : 0.0f;
-  }
+  });
   for (std::size_t c = 0; c < width; ++c) {
     if (is_clear[c] != 0) continue;
     const float share = 1 / sn[c];

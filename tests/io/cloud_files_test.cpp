@@ -273,8 +273,10 @@ TEST(Spinning, BeamsBecomeRowsAndAzimuthsColumns) {
     EXPECT_EQ(grid.height, 3u);
     ASSERT_EQ(grid.width, 100u);
     for (std::size_t cell = 0; cell < 300; ++cell) {
-      const bool is_there = (cell % 100 + cell / 100) % 7 != 0;
-      EXPECT_EQ(grid.labels[cell], is_there ? cell + 1 : 0) << cell;
+      // Clockwise from straight behind.
+      const std::size_t beam = cell / 100, column = (149 - cell % 100) % 100;
+      const bool is_there = (column + beam) % 7 != 0;
+      EXPECT_EQ(grid.labels[cell], is_there ? 1 + 100 * beam + column : 0) << cell;
       EXPECT_EQ(grid.in_sensor[cell].allFinite(), is_there) << cell;
     }
   };

@@ -1,0 +1,95 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+namespace graticule::test {
+namespace {
+
+const std::string kClouds = GRATICULE_DATA_DIR "/segment/";
+
+class Segment : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    if (std::filesystem::is_directory(kClouds)) return;
+    const char* ci = std::getenv("CI");
+    if (ci && std::string(ci) == "true") FAIL() << "no recorded clouds: " << kClouds;
+    GTEST_SKIP() << "no recorded clouds: " << kClouds;
+  }
+};
+
+TEST_F(Segment, PartsATableSceneAndWritesIt) {
+  const std::string cloud = kClouds + "mosd/test/test0.pcd";
+  const Outcome outcome =
+      RunCommand({"segment", cloud, "-o", Path("labels.ply"), "--picture", Path("scene.png"),
+                  "--label-image", Path("labels.png"), "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["grid"], nlohmann::json({640, 480}));
+  EXPECT_EQ(json["segments"].size(), 3u);  // the table and two objects
+  std::size_t points = 0;
+  for (const auto& segment : json["segments"]) points += segment["points"].get<std::size_t>();
+  EXPECT_EQ(points, json["points"]);
+  EXPECT_GT(std::filesystem::file_size(Path("scene.png")), 10000u);
+  EXPECT_GT(std::filesystem::file_size(Path("labels.png")), 1000u);
+
+  // What was written is a cloud again, and says the same in every method.
+  const Outcome again = RunCommand({"segment", Path("labels.ply"), "--json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["segments"].size(), 3u);
+  for (const char* method : {"joint", "colour", "normals", "image"})
+    EXPECT_EQ(RunCommand({"segment", cloud, "--method", method, "--quiet"}).exit_code, 0);
+}
+
+TEST_F(Segment, ColoursALidarsScanByAPicture) {
+  const std::string frame = kClouds + "kitti3/";
+  const Outcome outcome =
+      RunCommand({"segment", frame + "velodyne/000001.bin", "--image", frame + "image_2/000001.png",
+                  "--rig", frame + "calib/000001.txt", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_GT(json["colours"]["seen"], 10000);
+  EXPECT_GT(json["colours"]["hidden"], 100);
+  EXPECT_LT(json["points"], json["colours"]["seen"].get<std::size_t>() + 1);
+  EXPECT_TRUE(json["segments"][0].contains("mean_colour"));
+
+  const Outcome other =
+      RunCommand({"segment", frame + "velodyne/000001.bin", "--image",
+                  kClouds + "kitti3/image_2/000001.png", "--rig", Write("rig.yaml", "a: 1\n")});
+  EXPECT_EQ(other.exit_code, 3);
+  EXPECT_EQ(CountLines(other.err), 1u) << other.err;
+}
+
+TEST_F(Segment, RefusesWhatItCannotSegment) {
+  const std::string flat =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
+      "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 0 0\n1 1 0\n";
+  const struct {
+    std::vector<std::string> words;
+    int exit_code;
+    const char* message;
+  } cases[] = {
+      {{"segment", Write("flat.pcd", flat)}, 3, "flat.pcd: the cloud is not organised"},
+      {{"segment", Path("none.pcd")}, 3, "none.pcd: No such file"},
+      {{"segment", Write("cut.pcd", flat.substr(0, flat.size() - 4))}, 3, "cut.pcd:"},
+      {{"segment", kClouds + "mosd/test/test0.pcd", "--image", "a.png"}, 2, "go together"},
+      {{"segment", kClouds + "mosd/test/test0.pcd", "-o", Path("a.obj")}, 2, ".ply"},
+      {{"segment", kClouds + "kitti3/velodyne/000001.bin", "--method", "joint"}, 3, "no colours"},
+      {{"segment", kClouds + "kitti3/velodyne/000001.bin", "--image",
+        kClouds + "kitti3/image_2/000001.png", "--rig", Write("calib.txt", "P2: 1 2 3\n")},
+       3,
+       "calib.txt:1: P2: expected 12 numbers, found 3"},
+  };
+  for (const auto& c : cases) {
+    const Outcome outcome = RunCommand(c.words);
+    EXPECT_EQ(outcome.exit_code, c.exit_code) << outcome.err;
+    EXPECT_NE(outcome.err.find(c.message), std::string::npos) << outcome.err;
+    EXPECT_EQ(CountLines(outcome.err), 1u) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace graticule::test
