@@ -17,6 +17,9 @@ constexpr std::array<std::pair<std::string_view, SegmentMethod>, 5> kNames = {{
     {"image", SegmentMethod::kImage},
 }};
 
+// Of a weight that a method has not: never in the way.
+constexpr double kAny = 1e9;
+
 }  // namespace
 
 SegmentMethod SegmentMethodOf(std::string_view name) {
@@ -33,6 +36,24 @@ SegmentOptions DefaultsOf(SegmentMethod method) {
   SegmentOptions options;
   options.method = method;
   options.mesh.grazing_rad = 0.14;
+  switch (method) {
+    case SegmentMethod::kConvex:
+      break;
+    case SegmentMethod::kJoint:
+      options.graph = {50000, 20, 200};
+      options.normal_radius = 1;
+      break;
+    case SegmentMethod::kNormals:
+      options.graph = {kAny, 20, 200};
+      options.normal_radius = 3;
+      break;
+    case SegmentMethod::kColour:
+      options.graph = {3000, kAny, 200};
+      break;
+    case SegmentMethod::kImage:
+      options.graph = {3000, kAny, 500};
+      break;
+  }
   return options;
 }
 
