@@ -1,0 +1,378 @@
+#include "graticule/problems/attenuation/tomography.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "graticule/factors/normal_tail.hpp"
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+constexpr std::size_t kLanes = 16;
+constexpr double kGrowth = 1.2;          // samples are drawn anew when rows have grown by this
+constexpr double kSampleTolerance = .1;  // of sums of about as many squares as there are unknowns
+constexpr int kSampleIterations = 60;
+constexpr int kRounds = 8;  // of weights that depend on the solution
+
+}  // namespace
+
+Tomography::Tomography(TomographyOptions options)
+    : options_((options.Check(), std::move(options))),
+      rows_(options_),
+      system_(options_),
+      sigma_db_(options_.sigma_db),
+      correlation_(std::max(0.0, options_.correlation)) {
+  system_.Set(rows_, sigma_db_, correlation_, 0);
+  TakeUnknowns({});
+  UpdatePosterior(true);
+}
+
+void Tomography::SetMap(std::shared_ptr<const OccupancyGrid> map) {
+  if (!options_.uses_map) return;
+  SetClassMap(map ? std::make_shared<const ClassMap>(*map, options_.class_of) : nullptr);
+}
+
+void Tomography::SetClassMap(std::shared_ptr<const ClassMap> map) {
+  if (map && map->ClassCount() > static_cast<int>(options_.classes.size()) &&
+      !options_.classes.empty())
+    throw Error("a map of " + std::to_string(map->ClassCount()) + " classes; " +
+                std::to_string(options_.classes.size()) + " have a prior");
+  rows_.SetMap(std::move(map));
+}
+
+void Tomography::AddMeasurements(Span<const SignalMeasurement> measurements) {
+  rows_.Add(measurements);
+}
+
+/// Brings x_ to the unknowns that there are now, with what was learnt of those that were.
+void Tomography::TakeUnknowns(const std::vector<AttenuationCell>& before) {
+  const std::vector<double> old = std::move(x_);
+  const std::size_t old_head = head_.size(), head = system_.HeadSize();
+  x_.assign(system_.Size(), 0);
+  std::vector<std::int64_t> from(x_.size(), -1);
+  for (std::size_t i = 0; i < std::min(head, old_head); ++i) from[i] = static_cast<std::int64_t>(i);
+  if (before.empty()) {  // numbers kept
+    for (std::size_t i = 0; old_head + i < old.size() && head + i < from.size(); ++i)
+      from[head + i] = static_cast<std::int64_t>(old_head + i);
+  } else {
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const std::int32_t now = rows_.Cells().Find(before[i].material, before[i].x, before[i].y);
+      if (now >= 0)
+        from[head + static_cast<std::size_t>(now)] = static_cast<std::int64_t>(old_head + i);
+    }
+  }
+  for (std::size_t i = 0; i < x_.size(); ++i)
+    x_[i] = from[i] >= 0 ? old[static_cast<std::size_t>(from[i])] : system_.PriorMean(i);
+  for (auto& lanes : lanes_) {
+    const std::vector<SignalSystem::Lanes> was = std::move(lanes);
+    lanes.assign(x_.size(), SignalSystem::Lanes::Zero());
+    for (std::size_t i = 0; i < x_.size(); ++i)
+      if (from[i] >= 0) lanes[i] = was[static_cast<std::size_t>(from[i])];
+  }
+  head_.resize(head);
+}
+
+void Tomography::Update(double now_s) {
+  const double before = static_cast<double>(rows_.EntryCount() + rows_.Count());
+  std::vector<AttenuationCell> cells;
+  for (std::size_t i = 0; i < cells_.Count(); ++i) cells.push_back(cells_.At(i));
+  const bool is_anew = rows_.Trace();
+  system_.Set(rows_, sigma_db_, correlation_, now_s);
+  if (!is_anew) cells.clear();
+  TakeUnknowns(cells);
+  for (int round = 0; round < kRounds; ++round) {
+    SolveMean(now_s);
+    const double sigma = sigma_db_, correlation = correlation_;
+    if (round == 0) {
+      const double now = static_cast<double>(rows_.EntryCount() + rows_.Count());
+      UpdatePosterior(is_anew || lanes_.empty() || now > kGrowth * before);
+    }
+    if (options_.estimate_sigma) EstimateNoise();
+    if (std::abs(sigma - sigma_db_) < 0.01 * sigma && std::abs(correlation - correlation_) < 0.02)
+      break;
+    system_.Set(rows_, sigma_db_, correlation_, now_s);
+  }
+  cells_ = rows_.Cells();
+  head_.assign(x_.begin(), x_.begin() + static_cast<std::ptrdiff_t>(system_.HeadSize()));
+  attenuation_.assign(x_.begin() + static_cast<std::ptrdiff_t>(system_.HeadSize()), x_.end());
+}
+
+/// Weights and targets of rows whose residual does not count by its square: a step of Newton's
+/// method for packets not heard, of iterated weights for a loss.
+void Tomography::Linearise() {
+  for (std::size_t i = 0; i < rows_.Count(); ++i) {
+    const SignalRow& row = rows_.At(i);
+    SignalEquation& equation = system_.Equations()[i];
+    const double predicted = system_.Predict(equation, x_.data());
+    if (!row.is_heard) {
+      // -log Phi(z), z = (floor - predicted) / sigma: slope -h, curvature h (h + z) by z.
+      const double z = (row.dbm - predicted) / sigma_db_;
+      const double hazard = NormalHazard(z), curvature = std::max(hazard * (hazard + z), 1e-12);
+      equation.target_dbm = predicted - sigma_db_ * hazard / curvature;
+      equation.weight *= curvature;
+    } else if (options_.loss.kind != LossKind::kNone) {
+      const double off = (row.dbm - predicted) / sigma_db_;
+      double rho[3];
+      EvaluateLoss(options_.loss, equation.weight * off * off, rho);
+      equation.weight *= rho[1];
+    }
+  }
+}
+
+void Tomography::SolveMean(double now_s) {
+  bool is_linear = options_.loss.kind == LossKind::kNone;
+  for (std::size_t i = 0; is_linear && i < rows_.Count(); ++i) is_linear = rows_.At(i).is_heard;
+  last_iterations_ = 0;
+  const double tolerance = options_.tolerance_db;
+  for (int round = 0; round < (is_linear ? 1 : 50); ++round) {
+    const std::vector<double> before = x_;
+    if (!is_linear) {
+      system_.Set(rows_, sigma_db_, correlation_, now_s);
+      Linearise();
+    }
+    system_.Prepare();
+    last_iterations_ +=
+        system_.Solve(system_.RightHandSide(), tolerance, options_.max_iterations, &x_);
+    double moved = 0;
+    for (std::size_t i = 0; i < x_.size(); ++i)
+      moved = std::max(moved, std::abs(x_[i] - before[i]));
+    if (moved < tolerance) break;
+  }
+}
+
+/// Noise of two kinds: what measurements from one place have in common, and what they have not.
+void Tomography::EstimateNoise() {
+  double rows = 0, inverse = 0, left = 0, within = 0, spare = 0, weighted = 0, heard = 0;
+  for (std::size_t i = 0; i < rows_.Count(); ++i) {
+    const SignalRow& row = rows_.At(i);
+    if (!row.is_heard) continue;
+    const double off = row.dbm - system_.Predict(system_.Equations()[i], x_.data());
+    rows += 1;
+    heard += row.count;
+    inverse += 1 / row.count;
+    left += off * off;
+    weighted += row.count / (1 + (row.count - 1) * correlation_) * off * off;
+    within += row.scatter;
+    spare += row.count - 1;
+  }
+  const double believed = options_.sigma_weight * options_.sigma_db * options_.sigma_db;
+  const double rows_left = std::max(0.0, rows - degrees_of_freedom_);
+  if (options_.correlation >= 0) {
+    // Whitened: a row's own square and its scatter, each of noise 1.
+    const double own = 1 - correlation_;
+    const double sum = weighted + (own > 0 ? within / own : 0);
+    sigma_db_ =
+        std::sqrt((believed + sum) / (options_.sigma_weight + rows_left + (own > 0 ? spare : 0)));
+    return;
+  }
+  if (spare < options_.sigma_weight) {
+    sigma_db_ = std::sqrt((believed + left) / (options_.sigma_weight + rows_left));
+    correlation_ = 0;
+    return;
+  }
+  const double own = within / spare;
+  const double share = rows > 0 ? rows_left / rows : 0;
+  const double common = std::max(0.0, (left - own * inverse * share) / std::max(1.0, rows_left));
+  const double measured = common + own;
+  sigma_db_ = std::sqrt((believed + rows_left * measured) / (options_.sigma_weight + rows_left));
+  correlation_ = std::min(0.99, common / std::max(measured, 1e-12));
+}
+
+void Tomography::RefreshPosterior() { UpdatePosterior(true); }
+
+void Tomography::UpdatePosterior(bool all) {
+  const std::size_t size = x_.size(), count = static_cast<std::size_t>(options_.samples) / kLanes;
+  is_exact_ = size <= static_cast<std::size_t>(options_.exact_up_to);
+  if (is_exact_) {
+    lanes_.clear();
+    const Eigen::MatrixXd dense = system_.Dense();
+    covariance_ = dense.llt().solve(Eigen::MatrixXd::Identity(dense.rows(), dense.cols()));
+    // The trace of N^-1 A'WA: what is not of priors.
+    degrees_of_freedom_ = static_cast<double>(size);
+    const AttenuationCells& cells = rows_.Cells();
+    for (std::size_t i = 0; i < size; ++i)
+      degrees_of_freedom_ -= system_.PriorWeight(i) * VarianceOf(i);
+    for (std::size_t i = 0; i < cells.Count(); ++i)
+      for (const std::int32_t other : {cells.Right(i), cells.Up(i)}) {
+        if (other < 0) continue;
+        const auto a = static_cast<Eigen::Index>(system_.HeadSize() + i);
+        const auto b = static_cast<Eigen::Index>(system_.HeadSize()) + other;
+        degrees_of_freedom_ -= system_.SmoothWeight() *
+                               (covariance_(a, a) + covariance_(b, b) - 2 * covariance_(a, b));
+      }
+    return;
+  }
+  const double entries = static_cast<double>(rows_.EntryCount() + rows_.Count());
+  if (lanes_.size() != count) {
+    lanes_.assign(count, std::vector<SignalSystem::Lanes>(size, SignalSystem::Lanes::Zero()));
+    lane_size_.assign(count, 0);
+    all = true;
+  }
+  if (count == 0) return;
+  bool is_changed = false;
+  for (std::size_t turn = 0; turn < count; ++turn) {
+    const std::size_t at = all ? turn : next_lane_;
+    if (!all && entries < kGrowth * lane_size_[at]) {
+      break;
+    }
+    const double tolerance = kSampleTolerance * std::sqrt(static_cast<double>(size)) * 0.1;
+    system_.Solve(system_.Perturbations(options_.seed * 1000 + at), tolerance, kSampleIterations,
+                  &lanes_[at]);
+    lane_size_[at] = entries;
+    is_changed = true;
+    next_lane_ = (at + 1) % count;
+    if (!all) break;
+  }
+  const std::size_t samples = count * kLanes;
+  samples_.resize(size * samples);
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t at = 0; at < count; ++at)
+      Eigen::Map<SignalSystem::Lanes>(samples_.data() + i * samples + at * kLanes) = lanes_[at][i];
+  if (!is_changed) return;
+  double sum = 0;
+  const auto rows_seen = rows_.Count();
+  for (std::size_t r = 0; r < rows_seen; ++r) {
+    const SignalEquation& row = system_.Equations()[r];
+    SignalSystem::Lanes off = lanes_[0][0] - lanes_[0][1] * static_cast<float>(row.log_distance);
+    if (row.receiver >= 0)
+      off += lanes_[0][static_cast<std::size_t>(row.receiver)] +
+             lanes_[0][static_cast<std::size_t>(row.transmitter)];
+    const SignalRow& whole = rows_.At(r);
+    for (std::size_t k = 0; k < whole.size; ++k)
+      off -= lanes_[0][system_.HeadSize() + static_cast<std::size_t>(rows_.CellsOf(whole)[k])] *
+             static_cast<float>(rows_.LengthsOf(whole)[k]);
+    sum += row.weight * static_cast<double>(off.square().mean());
+  }
+  degrees_of_freedom_ = sum;
+}
+
+double Tomography::VarianceOf(std::size_t unknown) const {
+  if (is_exact_) {
+    const auto i = static_cast<Eigen::Index>(unknown);
+    return covariance_(i, i);
+  }
+  const auto samples = static_cast<std::size_t>(options_.samples) / kLanes * kLanes;
+  if (samples == 0) return 0;
+  return static_cast<double>(Eigen::Map<const Eigen::ArrayXf>(samples_.data() + unknown * samples,
+                                                              static_cast<Eigen::Index>(samples))
+                                 .square()
+                                 .mean());
+}
+
+double Tomography::CellValue(std::uint32_t material, std::int32_t cell) const {
+  return cell >= 0 ? attenuation_[static_cast<std::size_t>(cell)]
+                   : options_.classes[material].rho_db_per_m;
+}
+
+double Tomography::ReceiverBiasDb(std::uint32_t radio) const {
+  const std::int32_t at = SignalSystem::ReceiverBias(options_.bias, radio);
+  return at >= 0 && static_cast<std::size_t>(at) < head_.size()
+             ? head_[static_cast<std::size_t>(at)]
+             : 0;
+}
+
+double Tomography::TransmitterBiasDb(std::uint32_t radio) const {
+  const std::int32_t at = SignalSystem::TransmitterBias(options_.bias, radio);
+  return at >= 0 && static_cast<std::size_t>(at) < head_.size()
+             ? head_[static_cast<std::size_t>(at)]
+             : 0;
+}
+
+void Tomography::Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const {
+  if (links.size() != predictions.size())
+    throw Error("as many predictions as links are expected", ErrorKind::kUsage);
+  RayTracer tracer = rows_.Tracer();
+  std::vector<std::pair<std::size_t, double>> terms;
+  const auto samples = static_cast<Eigen::Index>(
+      is_exact_ ? 0 : static_cast<std::size_t>(options_.samples) / kLanes * kLanes);
+  Eigen::ArrayXf sum(samples);
+  const double noise = sigma_db_ * sigma_db_;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const SignalLink& link = links[i];
+    rows_.CheckLink(link);
+    const double log_distance = rows_.LogDistance(link.receiver_m, link.transmitter_m);
+    double dbm = head_[0] - log_distance * head_[1];
+    double variance = 0;  // of noise 1, of what is not among the unknowns
+    terms.assign({{0, 1.0}, {1, -log_distance}});
+    if (options_.bias != RadioBias::kNone) {
+      for (const std::int32_t bias :
+           {SignalSystem::ReceiverBias(options_.bias, link.receiver),
+            SignalSystem::TransmitterBias(options_.bias, link.transmitter)}) {
+        const auto at = static_cast<std::size_t>(bias);
+        if (at < head_.size()) {
+          terms.emplace_back(at, 1.0);
+          dbm += head_[at];
+        } else {
+          variance += options_.bias_sigma_db * options_.bias_sigma_db / noise;
+        }
+      }
+    }
+    if (!options_.classes.empty()) {
+      for (const RayPiece& piece : tracer.Trace(link.receiver_m, link.transmitter_m)) {
+        const std::int32_t cell = cells_.Find(piece.material, piece.x, piece.y);
+        dbm -= piece.length_m * CellValue(piece.material, cell);
+        if (cell >= 0) {
+          terms.emplace_back(head_.size() + static_cast<std::size_t>(cell), -piece.length_m);
+        } else {
+          const double sigma = options_.sigma_db / options_.classes[piece.material].phi;
+          variance += piece.length_m * piece.length_m * sigma * sigma / noise;
+        }
+      }
+    }
+    if (is_exact_) {
+      for (const auto& [a, by_a] : terms)
+        for (const auto& [b, by_b] : terms)
+          variance +=
+              by_a * by_b * covariance_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+    } else if (samples > 0) {
+      sum.setZero();
+      for (const auto& [a, by_a] : terms)
+        sum += static_cast<float>(by_a) *
+               Eigen::Map<const Eigen::ArrayXf>(
+                   samples_.data() + a * static_cast<std::size_t>(samples), samples);
+      variance += static_cast<double>(sum.square().mean());
+    }
+    predictions[i] = {dbm, std::sqrt(noise * (1 + variance))};
+  }
+}
+
+std::vector<CellAttenuation> Tomography::Cells() const {
+  std::vector<CellAttenuation> cells;
+  for (std::size_t i = 0; i < cells_.Count(); ++i)
+    cells.push_back(
+        {cells_.At(i), attenuation_[i], sigma_db_ * std::sqrt(VarianceOf(head_.size() + i))});
+  std::sort(cells.begin(), cells.end(), [](const CellAttenuation& a, const CellAttenuation& b) {
+    return std::tie(a.cell.material, a.cell.y, a.cell.x) <
+           std::tie(b.cell.material, b.cell.y, b.cell.x);
+  });
+  return cells;
+}
+
+double Tomography::AttenuationAt(std::uint32_t material, double x_m, double y_m) const {
+  const auto cell_of = [this](double at) {
+    return options_.cell_m > 0 ? static_cast<std::int32_t>(std::floor(at / options_.cell_m)) : 0;
+  };
+  return CellValue(material, cells_.Find(material, cell_of(x_m), cell_of(y_m)));
+}
+
+std::vector<std::string> Tomography::NotDetermined() const {
+  std::vector<std::string> names;
+  const auto name = [&](const char* what, std::size_t unknown) {
+    if (VarianceOf(unknown) * system_.PriorWeight(unknown) > 0.25)
+      names.push_back(std::string(what) + ": what was believed before is kept");
+  };
+  name("L0", 0);
+  name("slope", 1);
+  std::vector<bool> is_crossed(options_.classes.size(), false);
+  for (std::size_t i = 0; i < cells_.Count(); ++i) is_crossed[cells_.At(i).material] = true;
+  for (std::size_t c = 0; c < is_crossed.size(); ++c)
+    if (!is_crossed[c])
+      names.push_back("class " + options_.classes[c].name + ": no ray crosses it");
+  return names;
+}
+
+}  // namespace graticule

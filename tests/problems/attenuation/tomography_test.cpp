@@ -1,0 +1,196 @@
+#include "graticule/problems/attenuation/tomography.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "graticule/problems/random.hpp"
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A room of 40 x 24 m, free, with a wall of half a metre across it at x = 20.
+std::shared_ptr<const OccupancyGrid> Room() {
+  auto grid = std::make_shared<OccupancyGrid>();
+  grid->width = 400;
+  grid->height = 240;
+  grid->cells.assign(grid->width * grid->height, Occupancy::kFree);
+  for (std::size_t y = 0; y < grid->height; ++y)
+    for (std::size_t x = 200; x < 205; ++x)
+      grid->cells[y * grid->width + x] = Occupancy::kStructure;
+  return grid;
+}
+
+struct Truth {
+  double l0_dbm = -38, slope_db = 22, free_db_per_m = 0.1, wall_db_per_m = 12;
+  double bias_db[3] = {1.5, -2, 0.5};
+  double sigma_db = 3;
+};
+
+/// Three radios anywhere in the room.
+std::vector<SignalMeasurement> Measured(const Truth& truth, std::size_t count, std::uint64_t seed) {
+  const ClassMap map(*Room(), {2, 0, 1});
+  RayTracer tracer(&map, 0);
+  RandomNumbers random(seed);
+  std::vector<SignalMeasurement> measurements(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    SignalMeasurement& m = measurements[i];
+    m.link.time_s = 0.1 * static_cast<double>(i);
+    m.link.receiver = static_cast<std::uint32_t>(random.Below(3));
+    m.link.transmitter = (m.link.receiver + 1 + static_cast<std::uint32_t>(random.Below(2))) % 3;
+    for (Vector3d* end : {&m.link.receiver_m, &m.link.transmitter_m})
+      *end = {random.Uniform(0.5, 39.5), random.Uniform(0.5, 23.5), 0};
+    m.dbm = truth.l0_dbm + truth.bias_db[m.link.receiver] + truth.bias_db[m.link.transmitter] -
+            truth.slope_db *
+                std::log10(std::max(0.1, (m.link.receiver_m - m.link.transmitter_m).norm())) +
+            truth.sigma_db * random.Normal();
+    for (const RayPiece& piece : tracer.Trace(m.link.receiver_m, m.link.transmitter_m))
+      m.dbm -= piece.length_m * (piece.material == 1 ? truth.wall_db_per_m : truth.free_db_per_m);
+  }
+  return measurements;
+}
+
+std::vector<SignalLink> Links(const std::vector<SignalMeasurement>& measurements) {
+  std::vector<SignalLink> links;
+  for (const SignalMeasurement& m : measurements) links.push_back(m.link);
+  return links;
+}
+
+std::vector<SignalPrediction> Predicted(const SignalPredictor& predictor,
+                                        const std::vector<SignalLink>& links) {
+  std::vector<SignalPrediction> predictions(links.size());
+  predictor.Predict(links, {predictions.data(), predictions.size()});
+  return predictions;
+}
+
+TEST(Tomography, FindsAWall) {
+  Truth truth;
+  truth.sigma_db = 1;
+  Tomography matte(TomographyOptions::Matte());
+  matte.SetMap(Room());
+  matte.AddMeasurements(Measured(truth, 4000, 1));
+  matte.Update(400);
+  EXPECT_NEAR(matte.SigmaDb(), 1, 0.05);
+  EXPECT_NEAR(matte.AttenuationAt(1, 20.2, 12), truth.wall_db_per_m, 1.0);
+  EXPECT_NEAR(matte.AttenuationAt(0, 10, 12), truth.free_db_per_m, 0.2);
+}
+
+TEST(Tomography, PredictsBeforeTheFirstMeasurement) {
+  const Tomography matte(TomographyOptions::Matte());
+  const auto p = Predicted(matte, Links(Measured({}, 20, 1)));
+  for (const SignalPrediction& prediction : p) {
+    EXPECT_TRUE(std::isfinite(prediction.dbm));
+    EXPECT_GT(prediction.sigma_db, 20);
+  }
+}
+
+TEST(Tomography, CoversWhatItPredictsAsOftenAsItSays) {
+  for (const TomographyOptions& options :
+       {TomographyOptions::Matte(), TomographyOptions::OneAttenuationPerClass()}) {
+    Tomography predictor(options);
+    predictor.SetMap(Room());
+    predictor.AddMeasurements(Measured({}, 1500, 2));
+    predictor.Update(150);
+    const auto test = Measured({}, 4000, 3);
+    const auto p = Predicted(predictor, Links(test));
+    int covered = 0;
+    for (std::size_t i = 0; i < test.size(); ++i)
+      covered += std::abs(test[i].dbm - p[i].dbm) < 1.96 * p[i].sigma_db;
+    EXPECT_GE(covered, 4000 * .92) << predictor.Name();
+    EXPECT_LE(covered, 4000 * .98) << predictor.Name();
+  }
+}
+
+TEST(Tomography, LearnsInStepsWhatItLearnsAtOnce) {
+  TomographyOptions options;
+  options.estimate_sigma = false;
+  options.correlation = 0.1;
+  options.tolerance_db = 1e-8;
+  const auto measurements = Measured({}, 1200, 4);
+  Tomography whole(options), steps(options);
+  whole.SetMap(Room());
+  steps.SetMap(Room());
+  whole.AddMeasurements(measurements);
+  whole.Update(120);
+  for (std::size_t i = 0; i < 1200; i += 40) {
+    steps.AddMeasurements({measurements.data() + i, 40});
+    steps.Update(0.1 * static_cast<double>(i));
+  }
+  const auto links = Links(Measured({}, 500, 5));
+  const auto a = Predicted(whole, links), b = Predicted(steps, links);
+  for (std::size_t i = 0; i < links.size(); ++i) EXPECT_NEAR(a[i].dbm, b[i].dbm, 1e-6);
+}
+
+TEST(Tomography, HasTheSameDigitsTwice) {
+  const auto links = Links(Measured({}, 200, 5));
+  std::vector<SignalPrediction> first;
+  for (int run = 0; run < 2; ++run) {
+    Tomography matte(TomographyOptions::Matte());
+    matte.SetMap(Room());
+    matte.AddMeasurements(Measured({}, 800, 6));
+    matte.Update(80);
+    const auto p = Predicted(matte, links);
+    if (run == 0) first = p;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      EXPECT_EQ(p[i].dbm, first[i].dbm);
+      EXPECT_EQ(p[i].sigma_db, first[i].sigma_db);
+    }
+  }
+}
+
+TEST(Tomography, RefusesWhatIsNotAMeasurement) {
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  Tomography matte(TomographyOptions::Matte());
+  matte.SetMap(Room());
+  const auto good = Measured({}, 1, 1)[0];
+  const auto expect_refused = [&](auto change) {
+    SignalMeasurement bad = good;
+    change(&bad);
+    const SignalMeasurement both[] = {good, bad};
+    EXPECT_THROW(matte.AddMeasurements({both, 2}), Error);
+    EXPECT_EQ(matte.Rows().MeasurementCount(), 0);
+  };
+  expect_refused([&](auto* m) { m->dbm = nan; });
+  expect_refused([&](auto* m) { m->dbm = 40; });
+  expect_refused([&](auto* m) { m->link.time_s = nan; });
+  expect_refused([&](auto* m) { m->link.receiver_m.x() = infinity; });
+  expect_refused([&](auto* m) { m->link.transmitter_m.y() = 60; });
+  expect_refused([&](auto* m) { m->link.transmitter = m->link.receiver; });
+}
+
+TEST(Tomography, SaysWhatStandingStillDoesNotDetermine) {
+  Tomography matte(TomographyOptions::Matte());
+  matte.SetMap(Room());
+  std::vector<SignalMeasurement> measurements(400, Measured({}, 1, 1)[0]);
+  for (std::size_t i = 0; i < measurements.size(); ++i) {
+    measurements[i].link.time_s = 0.05 * static_cast<double>(i);
+    measurements[i].link.receiver_m = {5, 5, 0};
+    measurements[i].link.transmitter_m = {15, 5, 0};
+    measurements[i].dbm = i % 2 ? -60 : -61;
+  }
+  matte.AddMeasurements(measurements);
+  matte.Update(20);
+  const auto p = Predicted(matte, {measurements[0].link});
+  EXPECT_NEAR(p[0].dbm, -60.5, 1);
+  std::string said;
+  for (const std::string& line : matte.NotDetermined()) said += line + "\n";
+  EXPECT_NE(said.find("slope"), std::string::npos) << said;
+  EXPECT_NE(said.find("class structure: no ray"), std::string::npos) << said;
+}
+
+TEST(Tomography, TakesEndsAtOnePlace) {
+  Tomography matte(TomographyOptions::Matte());
+  matte.SetMap(Room());
+  auto m = Measured({}, 50, 1);
+  m[7].link.receiver_m = m[7].link.transmitter_m;
+  matte.AddMeasurements(m);
+  matte.Update(5);
+  EXPECT_TRUE(std::isfinite(Predicted(matte, {m[7].link})[0].dbm));
+}
+
+}  // namespace
+}  // namespace graticule
