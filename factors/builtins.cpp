@@ -8,6 +8,7 @@
 #include "graticule/factors/prior.hpp"
 #include "graticule/factors/reprojection.hpp"
 #include "graticule/factors/sdk.hpp"
+#include "graticule/factors/signal.hpp"
 
 namespace graticule {
 namespace {
@@ -41,6 +42,8 @@ Registry Builtins() {
   AddFactors<PriorPoint2, PriorPoint3>(&registry);
   AddFactors<PositionSe2, PositionSe3, GeodeticSe2>(&registry);
   AddFactors<BalReprojection>(&registry);
+  AddFactors<PathLoss, SignalPath, PathLossNotHeard, SignalPathNotHeard>(&registry);
+  AddFactors<AttenuationSmooth, AttenuationPrior, RadioBiasPrior, PathLossPrior>(&registry);
   registry.Add(MakeVariableType(sdk::VariableTable<BoardWarp>::kTable, kOrigin));
   AddCameras<PinholeLens, Radial2Lens, Radial3Lens, Brown4Lens, Brown5Lens, Brown8Lens,
              AngularLens<1>, AngularLens<2>, AngularLens<3>, AngularLens<4>, AngularLens<5>,

@@ -15,6 +15,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 /// One axis of a walk over a lattice: where the next line is crossed, in parts of the ray.
 struct Axis {
   double from, per_line;    // where the ray begins; parts of the ray from line to line
+  double lines;             // crossed by the whole ray, about
   std::int64_t cell, step;  // where it is; +1 or -1
   std::int64_t left;        // lines still to cross
   double next;              // where the next is crossed
@@ -23,6 +24,7 @@ struct Axis {
   Axis(double from_at, double to, std::int64_t begin, std::int64_t end)
       : from(from_at),
         per_line(1 / std::abs(to - from_at)),
+        lines(std::abs(to - from_at)),
         cell(begin),
         step(end >= begin ? 1 : -1),
         left(std::abs(end - begin)) {
@@ -39,7 +41,7 @@ struct Axis {
 /// Lines of `axis` that lie before `t`, of at most `most`.
 std::int64_t LinesBefore(const Axis& axis, double t, std::int64_t most) {
   if (!(axis.next < t)) return 0;
-  const auto lines = static_cast<std::int64_t>((t - axis.next) / axis.per_line) + 1;
+  const auto lines = static_cast<std::int64_t>((t - axis.next) * axis.lines) + 1;
   return std::min(lines, most);
 }
 
@@ -119,6 +121,31 @@ void ClassMap::Fill(const std::uint8_t* classes) {
       tiles_[static_cast<std::size_t>(ty * tiles_x_ + tx)] = uniform ? first : kMixed;
     }
   class_count_ = highest + 1;
+  FindReach();
+}
+
+/// Chessboard distance to the nearest tile of another class, less one: two sweeps (Rosenfeld and
+/// Pfaltz 1966).  Beyond the map's edge nothing is other.
+void ClassMap::FindReach() {
+  constexpr int kFar = 250;
+  reach_.assign(tiles_.size(), 0);
+  const auto sweep = [&](std::int64_t tx, std::int64_t ty, std::int64_t by) {
+    const auto at = static_cast<std::size_t>(ty * tiles_x_ + tx);
+    if (tiles_[at] == kMixed) return;
+    int reach = by > 0 ? kFar : reach_[at];
+    const auto look = [&](std::int64_t x, std::int64_t y) {
+      if (x < 0 || y < 0 || x >= tiles_x_ || y >= tiles_y_) return;
+      const auto other = static_cast<std::size_t>(y * tiles_x_ + x);
+      reach = std::min(reach, tiles_[other] == tiles_[at] ? reach_[other] + 1 : 0);
+    };
+    look(tx - by, ty);
+    for (std::int64_t x = tx - 1; x <= tx + 1; ++x) look(x, ty - by);
+    reach_[at] = static_cast<std::uint8_t>(reach);
+  };
+  for (std::int64_t ty = 0; ty < tiles_y_; ++ty)
+    for (std::int64_t tx = 0; tx < tiles_x_; ++tx) sweep(tx, ty, 1);
+  for (std::int64_t ty = tiles_y_ - 1; ty >= 0; --ty)
+    for (std::int64_t tx = tiles_x_ - 1; tx >= 0; --tx) sweep(tx, ty, -1);
 }
 
 double ClassMap::DistanceOutside(const Eigen::Vector2d& in_map_m) const {
@@ -165,7 +192,8 @@ void RayTracer::WalkMap(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) 
 
 void RayTracer::WalkCells(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double begin,
                           double end) {
-  constexpr std::int64_t kTile = ClassMap::kTile, kInTile = kTile - 1;
+  constexpr std::int64_t kTile = ClassMap::kTile, kInTile = kTile - 1, kTileBits = 3;
+  static_assert(kTile == 1 << kTileBits);
   const Eigen::Vector2d by = to - from, first = from + begin * by, last = from + end * by;
   Axis x(from.x(), to.x(), CellOf(first.x(), map_->Width()), CellOf(last.x(), map_->Width()));
   Axis y(from.y(), to.y(), CellOf(first.y(), map_->Height()), CellOf(last.y(), map_->Height()));
@@ -176,8 +204,11 @@ void RayTracer::WalkCells(const Eigen::Vector2d& from, const Eigen::Vector2d& to
     const std::int64_t in_x = x.cell & kInTile, in_y = y.cell & kInTile;
     std::int64_t out_x = x.step > 0 ? kTile - in_x : in_x + 1;
     std::int64_t out_y = y.step > 0 ? kTile - in_y : in_y + 1;
-    const std::uint8_t tile = map_->TileClass(x.cell / kTile, y.cell / kTile);
+    const std::uint8_t tile = map_->TileClass(x.cell >> kTileBits, y.cell >> kTileBits);
     if (tile != ClassMap::kMixed) {
+      const std::int64_t more = kTile * map_->TileReach(x.cell >> kTileBits, y.cell >> kTileBits);
+      out_x += more;
+      out_y += more;
       const double leaves_x = out_x <= x.left ? x.At(out_x - 1) : kNever;
       const double leaves_y = out_y <= y.left ? y.At(out_y - 1) : kNever;
       if (leaves_x == kNever && leaves_y == kNever) break;
@@ -202,7 +233,7 @@ void RayTracer::WalkCells(const Eigen::Vector2d& from, const Eigen::Vector2d& to
       continue;
     }
     const std::uint8_t* cell =
-        map_->TileCells(x.cell / kTile, y.cell / kTile) + in_y * kTile + in_x;
+        map_->TileCells(x.cell >> kTileBits, y.cell >> kTileBits) + in_y * kTile + in_x;
     const std::int64_t step_y = y.step * kTile;
     double crossed = 0;
     bool is_done = false;

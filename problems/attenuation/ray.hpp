@@ -14,7 +14,7 @@ namespace graticule {
 /// a summary of its tiles, so that rays step over regions of one class.
 class ClassMap {
  public:
-  static constexpr int kTile = 16;             ///< cells, a tile's side
+  static constexpr int kTile = 8;              ///< cells, a tile's side
   static constexpr std::uint8_t kMixed = 255;  ///< of a tile: more than one class
 
   /// `class_of` says which class a cell is of that is unknown, free, structure, in the order of
@@ -35,7 +35,7 @@ class ClassMap {
   int ClassCount() const { return class_count_; }
 
   std::uint8_t At(std::int64_t x, std::int64_t y) const {
-    return TileCells(x / kTile, y / kTile)[(y % kTile) * kTile + x % kTile];
+    return TileCells(x >> 3, y >> 3)[((y & 7) << 3) | (x & 7)];
   }
   /// The cells of a tile, row by row: they lie together in memory.
   const std::uint8_t* TileCells(std::int64_t tile_x, std::int64_t tile_y) const {
@@ -44,6 +44,11 @@ class ClassMap {
   /// The class of all cells of a tile, or kMixed.
   std::uint8_t TileClass(std::int64_t tile_x, std::int64_t tile_y) const {
     return tiles_[static_cast<std::size_t>(tile_y * tiles_x_ + tile_x)];
+  }
+
+  /// Tiles on every side of one, all of them of its class: a ray may step over as many.
+  std::int64_t TileReach(std::int64_t tile_x, std::int64_t tile_y) const {
+    return reach_[static_cast<std::size_t>(tile_y * tiles_x_ + tile_x)];
   }
 
   /// From the map's frame [m] to cells of the grid.
@@ -57,6 +62,7 @@ class ClassMap {
 
  private:
   void Fill(const std::uint8_t* classes);
+  void FindReach();
 
   double resolution_, per_cell_;
   PlanarPose map_from_grid_;
@@ -65,7 +71,7 @@ class ClassMap {
   std::uint8_t outside_;
   int class_count_ = 1;
   std::vector<std::uint8_t> cells_;  // tile by tile, row by row
-  std::vector<std::uint8_t> tiles_;
+  std::vector<std::uint8_t> tiles_, reach_;
 };
 
 /// How far a ray goes through one class in one coarse cell.

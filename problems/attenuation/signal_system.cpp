@@ -77,6 +77,8 @@ void SignalSystem::Set(const SignalRows& rows, double sigma_db, double correlati
   rows_ = &rows;
   sigma_db_ = sigma_db;
   head_ = HeadSize(options_.bias, rows.RadioCount());
+  prior_.resize(Size());
+  for (std::size_t i = 0; i < prior_.size(); ++i) prior_[i] = PriorWeight(i);
   equations_.resize(rows.Count());
   for (std::size_t i = 0; i < rows.Count(); ++i) {
     const SignalRow& row = rows.At(i);
@@ -157,13 +159,14 @@ void SignalSystem::Multiply(const std::vector<V>& x, std::vector<V>* y) const {
       to[a] += pull;
       to[b] -= pull;
     }
-  for (std::size_t i = 0; i < x.size(); ++i) to[i] += x[i] * Scalar(unit, PriorWeight(i));
+  for (std::size_t i = 0; i < x.size(); ++i) to[i] += x[i] * Scalar(unit, prior_[i]);
 }
 
 void SignalSystem::Prepare() {
   const AttenuationCells& cells = rows_->Cells();
   b_.assign(Size(), 0);
-  diagonal_.assign(Size(), 0);
+  std::vector<double>& diagonal = inverse_diagonal_;
+  diagonal.assign(Size(), 0);
   for (const SignalEquation& row : equations_) {
     const double pull = row.weight * row.target_dbm;
     b_[0] += pull;
@@ -177,19 +180,19 @@ void SignalSystem::Prepare() {
     for (std::size_t k = 0; k < row.size; ++k) {
       const std::size_t at = head_ + static_cast<std::size_t>(cell[k]);
       b_[at] -= pull * length[k];
-      diagonal_[at] += row.weight * length[k] * length[k];
+      diagonal[at] += row.weight * length[k] * length[k];
     }
   }
   const double smooth = SmoothWeight();
   for (std::size_t i = 0; i < cells.Count(); ++i)
     for (const std::int32_t other : {cells.Right(i), cells.Up(i)}) {
       if (other < 0) continue;
-      diagonal_[head_ + i] += smooth;
-      diagonal_[head_ + static_cast<std::size_t>(other)] += smooth;
+      diagonal[head_ + i] += smooth;
+      diagonal[head_ + static_cast<std::size_t>(other)] += smooth;
     }
   for (std::size_t i = 0; i < Size(); ++i) {
-    b_[i] += PriorWeight(i) * PriorMean(i);
-    diagonal_[i] += PriorWeight(i);
+    b_[i] += prior_[i] * PriorMean(i);
+    diagonal[i] = 1 / (diagonal[i] + prior_[i]);
   }
   // A preconditioner need not be of the latest rows; it must fit the unknowns.
   const std::size_t size = rows_->EntryCount() + equations_.size();
@@ -294,7 +297,7 @@ void SignalSystem::Precondition(const std::vector<V>& r, std::vector<V>* z) cons
   for (std::size_t i = 0; i < head_; ++i) (*z)[i] = moves[i];
   for (std::size_t i = head_; i < r.size(); ++i) {
     const std::int32_t block = block_of_[i - head_];
-    (*z)[i] = r[i] * Scalar(unit, 1 / diagonal_[i]);
+    (*z)[i] = r[i] * Scalar(unit, inverse_diagonal_[i]);
     if (block >= 0) (*z)[i] += moves[head_ + static_cast<std::size_t>(block)];
   }
 }

@@ -82,7 +82,7 @@ class SignalSystem {
   std::size_t head_ = 2;
   double sigma_db_ = 1;
   std::vector<SignalEquation> equations_;
-  std::vector<double> b_, diagonal_;
+  std::vector<double> b_, prior_, inverse_diagonal_;
 
   // Second level of the preconditioner: the head, and blocks of cells that move together.
   std::vector<std::int32_t> block_of_;  // a cell's; below zero: none

@@ -16,7 +16,8 @@ constexpr std::size_t kLanes = 16;
 constexpr double kGrowth = 1.2;          // samples are drawn anew when rows have grown by this
 constexpr double kSampleTolerance = .1;  // of sums of about as many squares as there are unknowns
 constexpr int kSampleIterations = 60;
-constexpr int kRounds = 8;  // of weights that depend on the solution
+constexpr int kRounds = 6;
+constexpr double kHastyTolerance = 1;  // dB
 
 }  // namespace
 
@@ -27,7 +28,7 @@ Tomography::Tomography(TomographyOptions options)
       sigma_db_(options_.sigma_db),
       correlation_(std::max(0.0, options_.correlation)) {
   system_.Set(rows_, sigma_db_, correlation_, 0);
-  TakeUnknowns({});
+  TakeUnknowns(true);
   UpdatePosterior(true);
 }
 
@@ -49,18 +50,19 @@ void Tomography::AddMeasurements(Span<const SignalMeasurement> measurements) {
 }
 
 /// Brings x_ to the unknowns that there are now, with what was learnt of those that were.
-void Tomography::TakeUnknowns(const std::vector<AttenuationCell>& before) {
+void Tomography::TakeUnknowns(bool is_anew) {
   const std::vector<double> old = std::move(x_);
   const std::size_t old_head = head_.size(), head = system_.HeadSize();
   x_.assign(system_.Size(), 0);
   std::vector<std::int64_t> from(x_.size(), -1);
   for (std::size_t i = 0; i < std::min(head, old_head); ++i) from[i] = static_cast<std::int64_t>(i);
-  if (before.empty()) {  // numbers kept
+  if (!is_anew) {  // numbers kept
     for (std::size_t i = 0; old_head + i < old.size() && head + i < from.size(); ++i)
       from[head + i] = static_cast<std::int64_t>(old_head + i);
   } else {
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      const std::int32_t now = rows_.Cells().Find(before[i].material, before[i].x, before[i].y);
+    for (std::size_t i = 0; i < cells_.Count(); ++i) {
+      const AttenuationCell& cell = cells_.At(i);
+      const std::int32_t now = rows_.Cells().Find(cell.material, cell.x, cell.y);
       if (now >= 0)
         from[head + static_cast<std::size_t>(now)] = static_cast<std::int64_t>(old_head + i);
     }
@@ -78,25 +80,26 @@ void Tomography::TakeUnknowns(const std::vector<AttenuationCell>& before) {
 
 void Tomography::Update(double now_s) {
   const double before = static_cast<double>(rows_.EntryCount() + rows_.Count());
-  std::vector<AttenuationCell> cells;
-  for (std::size_t i = 0; i < cells_.Count(); ++i) cells.push_back(cells_.At(i));
   const bool is_anew = rows_.Trace();
   system_.Set(rows_, sigma_db_, correlation_, now_s);
-  if (!is_anew) cells.clear();
-  TakeUnknowns(cells);
-  for (int round = 0; round < kRounds; ++round) {
-    SolveMean(now_s);
-    const double sigma = sigma_db_, correlation = correlation_;
-    if (round == 0) {
-      const double now = static_cast<double>(rows_.EntryCount() + rows_.Count());
-      UpdatePosterior(is_anew || lanes_.empty() || now > kGrowth * before);
-    }
-    if (options_.estimate_sigma) EstimateNoise();
-    if (std::abs(sigma - sigma_db_) < 0.01 * sigma && std::abs(correlation - correlation_) < 0.02)
-      break;
+  if (is_anew || x_.size() != system_.Size()) TakeUnknowns(is_anew);
+  const double now = static_cast<double>(rows_.EntryCount() + rows_.Count());
+  const bool is_batch = is_anew || now > kGrowth * before;
+  const bool all_samples = is_batch || lanes_.empty();
+  // Weights depend on the noise that the solution leaves: to and fro, at first without haste.
+  for (int round = 0; is_batch && options_.estimate_sigma && round < kRounds; ++round) {
+    SolveMean(now_s, std::max(options_.tolerance_db, kHastyTolerance));
+    if (round == 0) UpdatePosterior(false);
+    if (!EstimateNoise()) break;
     system_.Set(rows_, sigma_db_, correlation_, now_s);
   }
-  cells_ = rows_.Cells();
+  SolveMean(now_s, options_.tolerance_db);
+  UpdatePosterior(all_samples);
+  if (options_.estimate_sigma && EstimateNoise()) {
+    system_.Set(rows_, sigma_db_, correlation_, now_s);
+    SolveMean(now_s, options_.tolerance_db);
+  }
+  if (is_anew || cells_.Count() != rows_.Cells().Count()) cells_ = rows_.Cells();
   head_.assign(x_.begin(), x_.begin() + static_cast<std::ptrdiff_t>(system_.HeadSize()));
   attenuation_.assign(x_.begin() + static_cast<std::ptrdiff_t>(system_.HeadSize()), x_.end());
 }
@@ -123,11 +126,10 @@ void Tomography::Linearise() {
   }
 }
 
-void Tomography::SolveMean(double now_s) {
+void Tomography::SolveMean(double now_s, double tolerance) {
   bool is_linear = options_.loss.kind == LossKind::kNone;
   for (std::size_t i = 0; is_linear && i < rows_.Count(); ++i) is_linear = rows_.At(i).is_heard;
   last_iterations_ = 0;
-  const double tolerance = options_.tolerance_db;
   for (int round = 0; round < (is_linear ? 1 : 50); ++round) {
     const std::vector<double> before = x_;
     if (!is_linear) {
@@ -145,7 +147,12 @@ void Tomography::SolveMean(double now_s) {
 }
 
 /// Noise of two kinds: what measurements from one place have in common, and what they have not.
-void Tomography::EstimateNoise() {
+bool Tomography::EstimateNoise() {
+  const double sigma_before = sigma_db_, correlation_before = correlation_;
+  const auto has_changed = [&] {
+    return std::abs(sigma_db_ - sigma_before) > 0.01 * sigma_before ||
+           std::abs(correlation_ - correlation_before) > 0.02;
+  };
   double rows = 0, inverse = 0, left = 0, within = 0, spare = 0, weighted = 0, heard = 0;
   for (std::size_t i = 0; i < rows_.Count(); ++i) {
     const SignalRow& row = rows_.At(i);
@@ -167,12 +174,12 @@ void Tomography::EstimateNoise() {
     const double sum = weighted + (own > 0 ? within / own : 0);
     sigma_db_ =
         std::sqrt((believed + sum) / (options_.sigma_weight + rows_left + (own > 0 ? spare : 0)));
-    return;
+    return has_changed();
   }
   if (spare < options_.sigma_weight) {
     sigma_db_ = std::sqrt((believed + left) / (options_.sigma_weight + rows_left));
     correlation_ = 0;
-    return;
+    return has_changed();
   }
   const double own = within / spare;
   const double share = rows > 0 ? rows_left / rows : 0;
@@ -180,6 +187,7 @@ void Tomography::EstimateNoise() {
   const double measured = common + own;
   sigma_db_ = std::sqrt((believed + rows_left * measured) / (options_.sigma_weight + rows_left));
   correlation_ = std::min(0.99, common / std::max(measured, 1e-12));
+  return has_changed();
 }
 
 void Tomography::RefreshPosterior() { UpdatePosterior(true); }
@@ -210,7 +218,6 @@ void Tomography::UpdatePosterior(bool all) {
   if (lanes_.size() != count) {
     lanes_.assign(count, std::vector<SignalSystem::Lanes>(size, SignalSystem::Lanes::Zero()));
     lane_size_.assign(count, 0);
-    all = true;
   }
   if (count == 0) return;
   bool is_changed = false;
@@ -228,6 +235,7 @@ void Tomography::UpdatePosterior(bool all) {
     if (!all) break;
   }
   const std::size_t samples = count * kLanes;
+  if (!is_changed && samples_.size() == size * samples) return;
   samples_.resize(size * samples);
   for (std::size_t i = 0; i < size; ++i)
     for (std::size_t at = 0; at < count; ++at)

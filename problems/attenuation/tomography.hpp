@@ -68,10 +68,11 @@ class Tomography : public SignalPredictor {
   std::vector<std::string> NotDetermined() const;
 
  private:
-  void TakeUnknowns(const std::vector<AttenuationCell>& before);
-  void SolveMean(double now_s);
+  void TakeUnknowns(bool is_anew);
+  void SolveMean(double now_s, double tolerance);
   void Linearise();
-  void EstimateNoise();
+  /// True where weights have changed by it.
+  bool EstimateNoise();
   void UpdatePosterior(bool all);
   double VarianceOf(std::size_t unknown) const;  // noise 1
   double CellValue(std::uint32_t material, std::int32_t cell) const;

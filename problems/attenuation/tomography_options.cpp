@@ -53,6 +53,10 @@ void TomographyOptions::Check() const {
     Expect(std::isfinite(c.rho_db_per_m),
            "rho of class " + c.name + " is " + Shown(c.rho_db_per_m) + " dB/m");
     ExpectAboveZero(("phi of class " + c.name).c_str(), c.phi);
+    Expect(!c.name.empty() && c.name.size() <= 18 &&
+               c.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                        "0123456789_.-") == std::string::npos,
+           "a class is named '" + c.name + "'; expected 1 to 18 of letters, digits, _ . -");
   }
   for (const std::uint8_t c : class_of)
     Expect(classes.empty() || c < classes.size(),

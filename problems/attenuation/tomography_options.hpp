@@ -55,7 +55,7 @@ struct TomographyOptions {
   // --- noise
   double sigma_db = 5;         ///< of one measurement, as first believed
   bool estimate_sigma = true;  ///< from what the model leaves over, at each Update
-  double sigma_weight = 20;    ///< measurements that the first belief is worth
+  double sigma_weight = 5;     ///< measurements that the first belief is worth
   /// Measurements of a link from nearly one place share this part of their noise's variance: n of
   /// them weigh n / (1 + (n - 1) correlation).  Below zero: estimated from what is left over.
   double correlation = -1;
@@ -68,7 +68,7 @@ struct TomographyOptions {
   double merge_s = 10;       ///< nor for longer than this
 
   // --- the solve, and how sure it is
-  double tolerance_db = 1e-4;  ///< of all predicted rows together, where iterating ends
+  double tolerance_db = 1e-2;  ///< of all predicted rows together, where iterating ends
   int max_iterations = 1000;
   int exact_up_to = 256;  ///< unknowns: up to so many the posterior is a matrix, above samples
   int samples = 64;       ///< of the posterior, a multiple of 16; 0: the noise alone

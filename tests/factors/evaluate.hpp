@@ -141,7 +141,7 @@ inline std::vector<double> RandomMeasurement(const FactorSchema& schema, Random*
     if (field.name == "qx" || field.name == "sqx") {
       for (const double q : RandomQuaternion(random)) value.push_back(q);
     } else if (field.name[0] != 'q' && field.name.substr(0, 2) != "sq") {
-      const double low = field.name == "range" ? 0 : -2;
+      const double low = field.name == "sigma" ? .5 : field.name == "range" ? 0 : -2;
       // 2e-4 degrees are 22 m: far places have residuals with fewer digits behind the point.
       value.push_back(field.unit == "deg" ? 1e-4 * Uniform(random, -2, 2)
                                           : Uniform(random, low, field.unit == "px" ? 300 : 2));

@@ -53,6 +53,41 @@ Numbers Join(Numbers a, const Numbers& b) {
   return a;
 }
 
+TEST(SignalPath, AddsUpPathLossCellsAndBiases) {
+  // At 100 m: -40 - 2 * 20; 3 m of 2 dB/m and 10 m of 0.1 dB/m; biases of 1 and -3 dB.
+  const Numbers terms[] = {{-40, 20}, {2}, {0.1}, {1}, {-3}};
+  graticule_measurement m = {sizeof(graticule_measurement), 6, nullptr};
+  const Numbers measured = {-90, 2, 3, 10, -1, -1};
+  m.values = measured.data();
+  const FactorType type = *Builtins().FindFactorType("signal_path/1");
+  graticule_error error{};
+  std::int32_t rows = 0;
+  EXPECT_EQ(type.table->create(&m, 4, &rows, &error), nullptr);  // one weight too many
+  void* factor = type.table->create(&m, 5, &rows, &error);
+  ASSERT_NE(factor, nullptr) << error.message;
+  const double* blocks[5];
+  for (int i = 0; i < 5; ++i) blocks[i] = terms[i].data();
+  double residual = 0;
+  EXPECT_TRUE(type.table->evaluate(factor, blocks, &residual, nullptr, &error));
+  EXPECT_NEAR(residual, -80 - 6 - 1 + 1 - 3 + 90, 1e-12);
+  type.table->destroy(factor);
+}
+
+TEST(SignalPathNotHeard, IsTheTailOfTheNormalDistribution) {
+  // (floor - predicted) / 2: reference values of -log Phi from a series of 50 digits.
+  const auto tail = [](double z) {
+    const double r = Made("path_loss_not_heard/1", {-90 + 2 * z, 2, 0})({{-90, 20}})[0];
+    return 0.5 * r * r;
+  };
+  EXPECT_NEAR(tail(0), std::log(2.0), 1e-15);
+  EXPECT_NEAR(tail(-1), 1.8410216450092637, 1e-14);
+  EXPECT_NEAR(tail(-40), 804.60844201375788, 1e-10);
+  EXPECT_NEAR(tail(-29.999999), tail(-30.000001), 1e-4);  // the two forms meet
+  EXPECT_NEAR(tail(6), 9.8658764552437e-10, 1e-19);
+  EXPECT_EQ(tail(60), 0);
+  EXPECT_TRUE(std::isfinite(tail(-1e6)));
+}
+
 TEST(BetweenSe2, IsTheErrorInTheFrameOfTheMeasuredB) {
   // a at (1, 2) looks north; b is 3 m ahead and 1 m to its left, and looks west.
   const Numbers a = {1, 2, M_PI / 2}, b = {0, 5, M_PI};

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "graticule/problems/attenuation/tomography_graph.hpp"
 #include "graticule/problems/random.hpp"
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/solve.hpp"
 
 namespace graticule {
 namespace {
@@ -123,6 +125,112 @@ TEST(Tomography, LearnsInStepsWhatItLearnsAtOnce) {
   const auto links = Links(Measured({}, 500, 5));
   const auto a = Predicted(whole, links), b = Predicted(steps, links);
   for (std::size_t i = 0; i < links.size(); ++i) EXPECT_NEAR(a[i].dbm, b[i].dbm, 1e-6);
+}
+
+void ExpectAsSolved(TomographyOptions options, const std::vector<SignalMeasurement>& measurements) {
+  options.estimate_sigma = false;
+  options.correlation = 0.2;
+  options.tolerance_db = 1e-9;
+  Tomography online(options);
+  online.SetMap(Room());
+  online.AddMeasurements(measurements);
+  online.Update(measurements.back().link.time_s);
+  const auto map = std::make_shared<const ClassMap>(*Room(), options.class_of);
+  const TomographyGraph built = BuildTomography(measurements, map, options);
+  SolveOptions solve;
+  solve.engine = Engine::kCeres;
+  solve.function_tolerance = 1e-15;
+  const Solution solution = Solve(built.graph, solve);
+  const TomographyEstimate estimate = ReadBackTomography(built.layout, solution.values);
+  EXPECT_NEAR(online.L0Dbm(), estimate.l0_dbm, 1e-6);
+  EXPECT_NEAR(online.SlopeDb(), estimate.slope_db, 1e-6);
+  for (std::uint32_t r = 0; r < 3 && options.bias != RadioBias::kNone; ++r) {
+    EXPECT_NEAR(online.ReceiverBiasDb(r), estimate.receiver_bias_db[r], 1e-6);
+    EXPECT_NEAR(online.TransmitterBiasDb(r), estimate.transmitter_bias_db[r], 1e-6);
+  }
+  ASSERT_EQ(online.Cells().size(), built.layout.cells.size());
+  const double cell_m = options.cell_m;
+  for (std::size_t i = 0; i < built.layout.cells.size(); ++i) {
+    const AttenuationCell& cell = built.layout.cells[i];
+    EXPECT_NEAR(online.AttenuationAt(cell.material, (cell.x + .5) * cell_m, (cell.y + .5) * cell_m),
+                estimate.db_per_m[i], 1e-6);
+  }
+}
+
+TEST(Tomography, AgreesWithItsGraphSolvedByCeres) {
+  auto measurements = Measured({}, 1200, 8);
+  for (RadioBias bias : {RadioBias::kNone, RadioBias::kRadio, RadioBias::kEnds}) {
+    TomographyOptions options;
+    options.bias = bias;
+    ExpectAsSolved(options, measurements);
+  }
+  ExpectAsSolved(TomographyOptions::Mrt(), measurements);
+  ExpectAsSolved(TomographyOptions::OneAttenuationPerClass(), measurements);
+  TomographyOptions plain = TomographyOptions::LogFit();
+  plain.bias = RadioBias::kNone;
+  ExpectAsSolved(plain, measurements);
+}
+
+// What is below -75 dBm is not heard.
+TEST(Tomography, AgreesWithCeresOnPacketsNotHeard) {
+  auto measurements = Measured({}, 1200, 8);
+  for (SignalMeasurement& m : measurements) {
+    m.is_heard = m.dbm > -75;
+    m.dbm = std::max(m.dbm, -75.0);
+  }
+  ExpectAsSolved({}, measurements);
+}
+
+TEST(Tomography, AgreesWithCeresUnderALoss) {
+  auto measurements = Measured({}, 1200, 8);
+  for (std::size_t i = 0; i < measurements.size(); i += 20) measurements[i].dbm -= 30;
+  TomographyOptions options;
+  options.loss = {LossKind::kHuber, 1.345};
+  ExpectAsSolved(options, measurements);
+}
+
+// What was cut off at the floor is not what the strength was.
+TEST(Tomography, LearnsFromPacketsNotHeardWhereTheFloorMisleads) {
+  const Truth truth;
+  auto measurements = Measured(truth, 3000, 9);
+  TomographyOptions options = TomographyOptions::OneAttenuationPerClass();
+  Tomography deaf(options), wise(options);
+  for (SignalMeasurement& m : measurements) {
+    m.is_heard = m.dbm > -72;
+    m.dbm = std::max(m.dbm, -72.0);
+  }
+  wise.SetMap(Room());
+  wise.AddMeasurements(measurements);
+  wise.Update(300);
+  deaf.SetMap(Room());
+  for (const SignalMeasurement& m : measurements)
+    if (m.is_heard) deaf.AddMeasurements({&m, 1});
+  deaf.Update(300);
+  EXPECT_NEAR(wise.SlopeDb(), truth.slope_db, 1.5);
+  EXPECT_LT(std::abs(wise.SlopeDb() - truth.slope_db), std::abs(deaf.SlopeDb() - truth.slope_db));
+}
+
+TEST(Tomography, KeepsWhatItLearntThroughAnotherMap) {
+  Tomography matte(TomographyOptions::Matte());
+  matte.SetMap(Room());
+  matte.AddMeasurements(Measured({}, 2000, 1));
+  matte.Update(200);
+  const double wall = matte.AttenuationAt(1, 20.2, 12);
+  const auto room = Room();
+  auto finer = std::make_shared<OccupancyGrid>(*room);  // of half the resolution's cells
+  finer->resolution = 0.05;
+  finer->width = 800;
+  finer->height = 480;
+  finer->cells.assign(finer->width * finer->height, Occupancy::kFree);
+  for (std::size_t y = 0; y < 480; ++y)
+    for (std::size_t x = 0; x < 800; ++x) finer->cells[y * 800 + x] = room->At(x / 2, y / 2);
+  const auto links = Links(Measured({}, 100, 5));
+  const auto before = Predicted(matte, links);
+  matte.SetMap(finer);
+  const auto after = Predicted(matte, links);
+  for (std::size_t i = 0; i < links.size(); ++i) EXPECT_NEAR(before[i].dbm, after[i].dbm, 1e-9);
+  matte.Update(200);
+  EXPECT_NEAR(matte.AttenuationAt(1, 20.2, 12), wall, 0.05);
 }
 
 TEST(Tomography, HasTheSameDigitsTwice) {
