@@ -198,13 +198,22 @@ void RayTracer::WalkCells(const Eigen::Vector2d& from, const Eigen::Vector2d& to
   Axis x(from.x(), to.x(), CellOf(first.x(), map_->Width()), CellOf(last.x(), map_->Width()));
   Axis y(from.y(), to.y(), CellOf(first.y(), map_->Height()), CellOf(last.y(), map_->Height()));
   cells_crossed_ = x.left + y.left + 1;
-  std::uint8_t material = map_->At(x.cell, y.cell);
+  double crossed = begin;
+  std::uint8_t material = ClassMap::kMixed;  // of the run that is being followed; none yet
   for (;;) {
     // Lines to cross until the ray has left the tile.
     const std::int64_t in_x = x.cell & kInTile, in_y = y.cell & kInTile;
     std::int64_t out_x = x.step > 0 ? kTile - in_x : in_x + 1;
     std::int64_t out_y = y.step > 0 ? kTile - in_y : in_y + 1;
     const std::uint8_t tile = map_->TileClass(x.cell >> kTileBits, y.cell >> kTileBits);
+    const std::uint8_t* cell =
+        map_->TileCells(x.cell >> kTileBits, y.cell >> kTileBits) + in_y * kTile + in_x;
+    // A tile of one class is not looked into.
+    const std::uint8_t here = tile != ClassMap::kMixed ? tile : *cell;
+    if (here != material) {
+      if (material != ClassMap::kMixed) EndRun(crossed, material);
+      material = here;
+    }
     if (tile != ClassMap::kMixed) {
       const std::int64_t more = kTile * map_->TileReach(x.cell >> kTileBits, y.cell >> kTileBits);
       out_x += more;
@@ -213,29 +222,21 @@ void RayTracer::WalkCells(const Eigen::Vector2d& from, const Eigen::Vector2d& to
       const double leaves_y = out_y <= y.left ? y.At(out_y - 1) : kNever;
       if (leaves_x == kNever && leaves_y == kNever) break;
       const bool by_x = leaves_x < leaves_y;
-      const double leaves = by_x ? leaves_x : leaves_y;
+      crossed = by_x ? leaves_x : leaves_y;
       // Of the other axis: lines crossed on the way, which do not leave the tile.
       const std::int64_t lines_x =
-          by_x ? out_x : LinesBefore(x, leaves, std::min(out_x - 1, x.left));
+          by_x ? out_x : LinesBefore(x, crossed, std::min(out_x - 1, x.left));
       const std::int64_t lines_y =
-          by_x ? LinesBefore(y, leaves, std::min(out_y - 1, y.left)) : out_y;
+          by_x ? LinesBefore(y, crossed, std::min(out_y - 1, y.left)) : out_y;
       x.cell += x.step * lines_x;
       y.cell += y.step * lines_y;
       x.left -= lines_x;
       y.left -= lines_y;
       x.Aim();
       y.Aim();
-      const std::uint8_t next = map_->At(x.cell, y.cell);
-      if (next != material) {
-        EndRun(leaves, material);
-        material = next;
-      }
       continue;
     }
-    const std::uint8_t* cell =
-        map_->TileCells(x.cell >> kTileBits, y.cell >> kTileBits) + in_y * kTile + in_x;
     const std::int64_t step_y = y.step * kTile;
-    double crossed = 0;
     bool is_done = false;
     std::int64_t done_x = 0, done_y = 0;
     for (;;) {
@@ -268,11 +269,6 @@ void RayTracer::WalkCells(const Eigen::Vector2d& from, const Eigen::Vector2d& to
     y.left -= done_y;
     x.Aim();
     y.Aim();
-    const std::uint8_t next = map_->At(x.cell, y.cell);
-    if (next != material) {
-      EndRun(crossed, material);
-      material = next;
-    }
   }
   EndRun(end, material);
 }

@@ -13,11 +13,11 @@ namespace graticule {
 namespace {
 
 constexpr std::size_t kLanes = 16;
-constexpr double kGrowth = 1.2;          // samples are drawn anew when rows have grown by this
-constexpr double kSampleTolerance = .1;  // of sums of about as many squares as there are unknowns
+constexpr double kGrowth = 1.2;           // samples are drawn anew when rows have grown by this
+constexpr double kSampleTolerance = .03;  // of sums of about as many squares as there are unknowns
 constexpr int kSampleIterations = 60;
 constexpr int kRounds = 6;
-constexpr double kHastyTolerance = 1;  // dB
+constexpr double kHastyShare = .01;  // of all noise: enough to know the noise to 1e-4
 
 }  // namespace
 
@@ -86,9 +86,10 @@ void Tomography::Update(double now_s) {
   const double now = static_cast<double>(rows_.EntryCount() + rows_.Count());
   const bool is_batch = is_anew || now > kGrowth * before;
   const bool all_samples = is_batch || lanes_.empty();
+  const double hasty = kHastyShare * sigma_db_ * std::sqrt(static_cast<double>(rows_.Count()));
   // Weights depend on the noise that the solution leaves: to and fro, at first without haste.
   for (int round = 0; is_batch && options_.estimate_sigma && round < kRounds; ++round) {
-    SolveMean(now_s, std::max(options_.tolerance_db, kHastyTolerance));
+    SolveMean(now_s, std::max(options_.tolerance_db, hasty));
     if (round == 0) UpdatePosterior(false);
     if (!EstimateNoise()) break;
     system_.Set(rows_, sigma_db_, correlation_, now_s);
@@ -226,7 +227,7 @@ void Tomography::UpdatePosterior(bool all) {
     if (!all && entries < kGrowth * lane_size_[at]) {
       break;
     }
-    const double tolerance = kSampleTolerance * std::sqrt(static_cast<double>(size)) * 0.1;
+    const double tolerance = kSampleTolerance * std::sqrt(static_cast<double>(size));
     system_.Solve(system_.Perturbations(options_.seed * 1000 + at), tolerance, kSampleIterations,
                   &lanes_[at]);
     lane_size_[at] = entries;

@@ -63,7 +63,7 @@ struct TomographyOptions {
   Loss loss;            ///< over a row's whitened residual
 
   // --- rows: what a link says from nearly one place is one row of the mean place and strength
-  double merge_m = 0.5;      ///< both ends within this of the row's first ones; 0: equal
+  double merge_m = 1;        ///< both ends within this of the row's first ones; 0: equal
   double merge_share = 0.1;  ///< nor more than this part of the distance between them
   double merge_s = 10;       ///< nor for longer than this
 
