@@ -222,6 +222,7 @@ void Tomography::UpdatePosterior(bool all) {
   }
   if (count == 0) return;
   bool is_changed = false;
+  std::size_t fresh = 0;
   for (std::size_t turn = 0; turn < count; ++turn) {
     const std::size_t at = all ? turn : next_lane_;
     if (!all && entries < kGrowth * lane_size_[at]) {
@@ -232,6 +233,7 @@ void Tomography::UpdatePosterior(bool all) {
                   &lanes_[at]);
     lane_size_[at] = entries;
     is_changed = true;
+    fresh = at;
     next_lane_ = (at + 1) % count;
     if (!all) break;
   }
@@ -242,21 +244,23 @@ void Tomography::UpdatePosterior(bool all) {
     for (std::size_t at = 0; at < count; ++at)
       Eigen::Map<SignalSystem::Lanes>(samples_.data() + i * samples + at * kLanes) = lanes_[at][i];
   if (!is_changed) return;
+  // Of samples that know these rows: older ones would deviate as if the rows were not there.
+  const std::vector<SignalSystem::Lanes>& lanes = lanes_[fresh];
   double sum = 0;
   const auto rows_seen = rows_.Count();
   for (std::size_t r = 0; r < rows_seen; ++r) {
     const SignalEquation& row = system_.Equations()[r];
-    SignalSystem::Lanes off = lanes_[0][0] - lanes_[0][1] * static_cast<float>(row.log_distance);
+    SignalSystem::Lanes off = lanes[0] - lanes[1] * static_cast<float>(row.log_distance);
     if (row.receiver >= 0)
-      off += lanes_[0][static_cast<std::size_t>(row.receiver)] +
-             lanes_[0][static_cast<std::size_t>(row.transmitter)];
+      off += lanes[static_cast<std::size_t>(row.receiver)] +
+             lanes[static_cast<std::size_t>(row.transmitter)];
     const SignalRow& whole = rows_.At(r);
     for (std::size_t k = 0; k < whole.size; ++k)
-      off -= lanes_[0][system_.HeadSize() + static_cast<std::size_t>(rows_.CellsOf(whole)[k])] *
+      off -= lanes[system_.HeadSize() + static_cast<std::size_t>(rows_.CellsOf(whole)[k])] *
              static_cast<float>(rows_.LengthsOf(whole)[k]);
     sum += row.weight * static_cast<double>(off.square().mean());
   }
-  degrees_of_freedom_ = sum;
+  degrees_of_freedom_ = std::min(sum, 0.9 * static_cast<double>(rows_seen));
 }
 
 double Tomography::VarianceOf(std::size_t unknown) const {
