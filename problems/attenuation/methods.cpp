@@ -1,0 +1,40 @@
+#include "graticule/problems/attenuation/methods.hpp"
+
+#include "graticule/io/text.hpp"
+#include "graticule/problems/attenuation/log_fit.hpp"
+#include "graticule/problems/attenuation/persistence.hpp"
+#include "graticule/problems/attenuation/tomography.hpp"
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+
+const std::vector<std::string>& MethodNames() {
+  static const std::vector<std::string> names = {
+      "mean",       "log-fit", "persistence", "one-attenuation-a-class",
+      "mrt",        "matte",   "mrgp",        "pair-gp",
+      "log-fit+gp", "mrt+gp",  "matte+gp"};
+  return names;
+}
+
+std::unique_ptr<SignalPredictor> MakePredictor(const std::string& name,
+                                               const MethodOptions& options) {
+  if (name == "mean") return std::make_unique<LogFit>(false);
+  if (name == "log-fit") return std::make_unique<LogFit>();
+  if (name == "persistence") return std::make_unique<Persistence>(options.persistence_s);
+  if (name == "one-attenuation-a-class") return std::make_unique<Tomography>(options.one_a_class);
+  if (name == "mrt") return std::make_unique<Tomography>(options.mrt);
+  if (name == "matte") return std::make_unique<Tomography>(options.matte);
+  if (name == "mrgp") return std::make_unique<GaussianProcess>(options.mrgp);
+  if (name == "pair-gp") return std::make_unique<GaussianProcess>(options.pair_gp);
+  const std::size_t mean = name.rfind("+gp");
+  if (mean != std::string::npos && mean + 3 == name.size() && mean > 0) {
+    ResidualGpOptions residual = options.residual_gp;
+    residual.name = name;
+    return std::make_unique<ResidualGp>(MakePredictor(name.substr(0, mean), options), residual);
+  }
+  std::string list;
+  for (const std::string& known : MethodNames()) list += (list.empty() ? "" : ", ") + known;
+  throw Error("there is no method " + Quoted(name) + "; there are: " + list, ErrorKind::kUsage);
+}
+
+}  // namespace graticule
