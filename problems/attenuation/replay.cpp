@@ -69,9 +69,9 @@ std::pair<std::uint32_t, std::uint32_t> RadiosOf(const SignalLink& link) {
 }
 
 /// A part of the radios, chosen at random.
-std::vector<bool> SomeRadios(const SignalLog& log, double part, Random* random) {
+std::vector<bool> SomeRadios(const SignalLog& log, double part, RandomNumbers* random) {
   std::vector<bool> chosen(log.radios.size());
-  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = random->Uniform() < part;
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = random->Unit() < part;
   return chosen;
 }
 
@@ -114,7 +114,7 @@ ReplayResult Replay(const SignalLog& log,
       const Stopwatch update;
       predictor->AddMeasurements({all.data() + known, next - known});
       predictor->Update(now_s);
-      result.update_ms += update.Seconds() * 1e3;
+      result.update_ms += update.Elapsed().wall * 1e3;
       known = next;
       if (++steps % options.every != 0) continue;
 
@@ -126,7 +126,7 @@ ReplayResult Replay(const SignalLog& log,
       predictions.resize(links.size());
       const Stopwatch predict;
       predictor->Predict(links, {predictions.data(), predictions.size()});
-      result.predict_ms += predict.Seconds() * 1e3;
+      result.predict_ms += predict.Elapsed().wall * 1e3;
       ++predicted_steps;
       for (std::size_t i = 0; i < links.size(); ++i) {
         if (!all[next + i].is_heard) continue;
@@ -146,19 +146,19 @@ ReplayResult Replay(const SignalLog& log,
 }
 
 HoldOut RandomLinks(const SignalLog& log, double part, std::uint64_t seed) {
-  Random random(seed);
+  RandomNumbers random(seed);
   std::map<std::pair<std::uint32_t, std::uint32_t>, bool> is_test;
   HoldOut split;
   for (std::uint32_t i = 0; i < log.measurements.size(); ++i) {
     const auto [link, is_new] = is_test.emplace(RadiosOf(log.measurements[i].link), false);
-    if (is_new) link->second = random.Uniform() < part;
+    if (is_new) link->second = random.Unit() < part;
     (link->second ? split.test : split.train).push_back(i);
   }
   return split;
 }
 
 HoldOut UnseenRadios(const SignalLog& log, double part, std::uint64_t seed, int unseen_ends) {
-  Random random(seed);
+  RandomNumbers random(seed);
   const std::vector<bool> is_unseen = SomeRadios(log, part, &random);
   HoldOut split;
   for (std::uint32_t i = 0; i < log.measurements.size(); ++i) {
@@ -210,13 +210,13 @@ ReplayResult EvaluateHoldOut(const SignalLog& log, const std::vector<HoldOut>& s
     const Stopwatch update;
     predictor->AddMeasurements(train);
     predictor->Update(train.empty() ? 0 : train.back().link.time_s);
-    result.update_ms += update.Seconds() * 1e3 / static_cast<double>(splits.size());
+    result.update_ms += update.Elapsed().wall * 1e3 / static_cast<double>(splits.size());
     std::vector<SignalLink> links;
     for (const std::uint32_t i : split.test) links.push_back(log.measurements[i].link);
     std::vector<SignalPrediction> predictions(links.size());
     const Stopwatch predict;
     predictor->Predict(links, {predictions.data(), predictions.size()});
-    result.predict_ms += predict.Seconds() * 1e3 / static_cast<double>(splits.size());
+    result.predict_ms += predict.Elapsed().wall * 1e3 / static_cast<double>(splits.size());
     for (std::size_t i = 0; i < links.size(); ++i)
       if (log.measurements[split.test[i]].is_heard)
         sums.Add(predictions[i], log.measurements[split.test[i]].dbm);
