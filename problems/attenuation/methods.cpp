@@ -8,11 +8,20 @@
 
 namespace graticule {
 
+TomographyOptions MethodOptions::FineMrt() {
+  TomographyOptions options = TomographyOptions::Mrt();
+  options.name = "fine-mrt";
+  options.cell_m = 1.5;
+  options.lambda = 2.5;
+  options.classes[0].phi = 0.5;
+  return options;
+}
+
 const std::vector<std::string>& MethodNames() {
   static const std::vector<std::string> names = {
-      "mean",       "log-fit", "persistence", "one-attenuation-a-class",
-      "mrt",        "matte",   "mrgp",        "pair-gp",
-      "log-fit+gp", "mrt+gp",  "matte+gp"};
+      "mean",    "log-fit",    "persistence", "one-attenuation-a-class",
+      "mrt",     "matte",      "fine-mrt",    "mrgp",
+      "pair-gp", "log-fit+gp", "matte+gp",    "fine-mrt+gp"};
   return names;
 }
 
@@ -24,6 +33,7 @@ std::unique_ptr<SignalPredictor> MakePredictor(const std::string& name,
   if (name == "one-attenuation-a-class") return std::make_unique<Tomography>(options.one_a_class);
   if (name == "mrt") return std::make_unique<Tomography>(options.mrt);
   if (name == "matte") return std::make_unique<Tomography>(options.matte);
+  if (name == "fine-mrt") return std::make_unique<Tomography>(options.fine_mrt);
   if (name == "mrgp") return std::make_unique<GaussianProcess>(options.mrgp);
   if (name == "pair-gp") return std::make_unique<GaussianProcess>(options.pair_gp);
   const std::size_t mean = name.rfind("+gp");

@@ -19,11 +19,19 @@ struct MethodOptions {
   TomographyOptions matte = TomographyOptions::Matte();
   GaussianProcessOptions mrgp = GaussianProcessOptions::Mrgp();
   GaussianProcessOptions pair_gp;
+  /// The mean under the best method: the map ignored as in MRT, but finer cells, held together.
+  TomographyOptions fine_mrt = FineMrt();
   ResidualGpOptions residual_gp;
+
+  static TomographyOptions FineMrt();
 };
 
+/// The method that predicts recorded sets best (docs/signal_evaluation.md).
+constexpr const char* kBestMethod = "fine-mrt+gp";
+
 /// The methods that MakePredictor knows: mean, log-fit, persistence, one-attenuation-a-class, mrt,
-/// matte, mrgp, pair-gp, log-fit+gp, mrt+gp, matte+gp.
+/// matte, fine-mrt, mrgp, pair-gp; and any of them with "+gp" behind it, a ResidualGp on that mean.
+/// The list has log-fit+gp, matte+gp and fine-mrt+gp.
 const std::vector<std::string>& MethodNames();
 
 /// Throws Error (kUsage): no such method; options that do not hold.

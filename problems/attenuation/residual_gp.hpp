@@ -21,8 +21,10 @@ struct ResidualGpOptions {
   double place_db = 3;
   double link_db = 2, link_s = 5;  ///< fades as exp(-time / link_s)
   double offset_db = 1;
-  double noise_db = 4;
-  bool learn = true;  ///< all but offset_db, by marginal likelihood, as data doubles
+  double noise_db = 4.2;
+  /// All but offset_db, by marginal likelihood, as data doubles.  Of residuals of a mean that was
+  /// fitted to the same measurements it learns too little noise (docs/signal_evaluation.md).
+  bool learn = false;
   /// Points a prediction is made of: the link's newest, and the nearest by LinkDistance of all
   /// others.
   std::size_t newest = 40, nearest = 80;

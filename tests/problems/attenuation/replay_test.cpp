@@ -1,0 +1,156 @@
+#include "graticule/problems/attenuation/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "graticule/problems/attenuation/methods.hpp"
+#include "graticule/problems/attenuation/tune.hpp"
+#include "graticule/problems/random.hpp"
+#include "graticule/solver/error.hpp"
+
+namespace graticule {
+namespace {
+
+/// Two drives of a robot between three anchors, ten minutes apart.
+SignalLog TwoDrives() {
+  SignalLog log;
+  log.radios = {"robot", "a", "b", "c"};
+  const Eigen::Vector3d anchors[] = {{0, 0, 0}, {9, 1, 0}, {4, 8, 0}};
+  RandomNumbers random(3);
+  for (int i = 0; i < 300; ++i) {
+    SignalMeasurement m;
+    m.link.time_s = 0.37 * i + (i >= 150 ? 600 : 0);
+    m.link.transmitter = 1 + static_cast<std::uint32_t>(i % 3);
+    m.link.receiver_m = {5 + 3 * std::cos(0.02 * i), 4 + 3 * std::sin(0.02 * i), 0};
+    m.link.transmitter_m = anchors[i % 3];
+    m.dbm = -45 - 22 * std::log10((m.link.receiver_m - m.link.transmitter_m).norm()) +
+            3 * random.Normal();
+    log.measurements.push_back(m);
+  }
+  return log;
+}
+
+TEST(Replay, IsTheDirectLoop) {
+  const SignalLog log = TwoDrives();
+  const ReplayResult result = Replay(log, [] { return MakePredictor("log-fit"); });
+  // Slowly: each step anew from all that was before it.
+  double sum[10] = {};
+  std::size_t count[10] = {};
+  for (const double begin : {0.0, 600 + 0.37 * 150})
+    for (int step = 1; step <= 30; ++step) {
+      const double now = begin + 2 * step;
+      std::vector<SignalMeasurement> past;
+      bool is_step = false;
+      for (const SignalMeasurement& m : log.measurements)
+        if (m.link.time_s < now) {
+          past.push_back(m);
+          is_step = is_step || m.link.time_s >= now - 2;
+        }
+      if (!is_step) continue;
+      const auto fit = MakePredictor("log-fit");
+      fit->AddMeasurements(past);
+      fit->Update(now);
+      for (const SignalMeasurement& m : log.measurements) {
+        if (m.link.time_s < now || m.link.time_s >= now + 20) continue;
+        SignalPrediction prediction;
+        fit->Predict({&m.link, 1}, {&prediction, 1});
+        const auto horizon = static_cast<std::size_t>((m.link.time_s - now) / 2);
+        sum[horizon] += std::pow(prediction.dbm - m.dbm, 2);
+        ++count[horizon];
+      }
+    }
+  for (std::size_t h = 0; h < 10; ++h) {
+    EXPECT_EQ(result.horizons[h].count, count[h]);
+    EXPECT_NEAR(result.horizons[h].mse, sum[h] / static_cast<double>(count[h]), 1e-9);
+  }
+}
+
+TEST(Replay, GivesTheSameDigitsTwiceAndRefusesALogWithoutTime) {
+  SignalLog log = TwoDrives();
+  const auto make = [] { return MakePredictor("log-fit+gp"); };
+  EXPECT_EQ(Replay(log, make).all.mse, Replay(log, make).all.mse);
+  log.has_time = false;
+  EXPECT_THROW(Replay(log, make), Error);
+}
+
+TEST(Replay, CoversWhatItSays) {
+  // The model is true here: 300 measurements, each predicted up to ten times, so 3 % are chance.
+  const SignalScore all = Replay(TwoDrives(), [] { return MakePredictor("log-fit"); }).all;
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(all.coverage[i], kCoverageLevels[i], 0.06);
+}
+
+TEST(Crps, IsTheIntegralOfSquaredDifferences) {
+  const SignalPrediction prediction{-60, 4};
+  const double dbm = -57;
+  double sum = 0;
+  for (double x = -120; x < 0; x += 0.001) {
+    const double below = 0.5 * std::erfc(-(x - prediction.dbm) / 4 / std::sqrt(2.0));
+    sum += std::pow(below - (x >= dbm ? 1 : 0), 2) * 0.001;
+  }
+  EXPECT_NEAR(GaussianCrps(prediction, dbm), sum, 1e-3);
+}
+
+TEST(HoldOut, NeverTestsWhatItLearnt) {
+  const SignalLog log = TwoDrives();
+  const HoldOut one = UnseenRadios(log, 0.4, 2, 1);
+  std::vector<bool> is_seen(log.radios.size());
+  for (const std::uint32_t i : one.train) {
+    is_seen[log.measurements[i].link.receiver] = true;
+    is_seen[log.measurements[i].link.transmitter] = true;
+  }
+  for (const std::uint32_t i : one.test)
+    EXPECT_FALSE(is_seen[log.measurements[i].link.receiver] &&
+                 is_seen[log.measurements[i].link.transmitter]);
+  const HoldOut random = RandomLinks(log, 0.5, 1);
+  EXPECT_EQ(random.train.size() + random.test.size(), log.measurements.size());
+  for (const HoldOut& split : FrontierSweep(log, 4))
+    for (const std::uint32_t i : split.test)
+      EXPECT_EQ(std::count(split.train.begin(), split.train.end(), i), 0);
+}
+
+double Valley(const std::vector<double>& x) {
+  return std::pow(x[0] - 1.5, 2) + 10 * std::pow(x[1] + x[0], 2);
+}
+
+TEST(CompassSearch, FindsTheBottomWhateverTheThreads) {
+  CompassOptions options;
+  options.last_step = 1e-4;
+  options.max_evaluations = 100000;
+  const CompassResult one = CompassSearch(Valley, {0, 0}, options);
+  EXPECT_TRUE(one.has_converged);
+  EXPECT_NEAR(one.best[0], 1.5, 1e-3);
+  EXPECT_NEAR(one.best[1], -1.5, 1e-3);
+  options.threads = 3;
+  EXPECT_EQ(CompassSearch(Valley, {0, 0}, options).best, one.best);
+}
+
+TEST(CompassSearch, GoesOnWhereItWasStopped) {
+  const std::string path = (std::filesystem::path(testing::TempDir()) / "compass_state").string();
+  std::filesystem::remove(path);
+  CompassOptions options;
+  options.state_path = path;
+  const CompassResult whole = CompassSearch(Valley, {0, 0}, CompassOptions{});
+  options.max_evaluations = 7;
+  EXPECT_FALSE(CompassSearch(Valley, {0, 0}, options).has_converged);
+  options.max_evaluations = 1000;
+  const CompassResult rest = CompassSearch(Valley, {0, 0}, options);
+  EXPECT_EQ(rest.best, whole.best);
+  EXPECT_LT(rest.evaluations, whole.evaluations);
+  EXPECT_EQ(CompassSearch(Valley, {0, 0}, options).evaluations, 0u);
+  EXPECT_THROW(CompassSearch(Valley, {1, 0}, options), Error) << "another search's";
+  std::filesystem::remove(path);
+}
+
+TEST(CompassSearch, StaysWithinItsBounds) {
+  CompassOptions options;
+  options.lower = {-1, -1};
+  options.upper = {1, 1};
+  const CompassResult result = CompassSearch(Valley, {0, 0}, options);
+  EXPECT_EQ(result.best, (std::vector<double>{1, -1}));
+}
+
+}  // namespace
+}  // namespace graticule
