@@ -9,6 +9,7 @@
 namespace graticule {
 namespace {
 
+constexpr double kSparseBelow = 0.3;       // share of entries; above, a dense factor is quicker
 constexpr std::size_t kFewest = 30;        // points, where a share would be fewer
 constexpr std::size_t kLearnFrom = 250;    // points the likelihood is taken of
 constexpr std::size_t kLearnAtLeast = 60;  // measurements before anything is learnt
@@ -80,6 +81,7 @@ void GaussianProcess::Factorise() {
   for (Eigen::Index i = 0; i < count; ++i) residuals[i] = points_[i].dbm - expected[i].dbm;
 
   const double noise = options_.sigma_d_db * options_.sigma_d_db;
+  is_sparse_ = false;
   if (options_.place.support_m > 0) {
     std::vector<Eigen::Triplet<double>> entries;
     for (Eigen::Index i = 0; i < count; ++i)
@@ -87,15 +89,19 @@ void GaussianProcess::Factorise() {
         const double value = Covariance(links[i], links[j]) + (i == j ? noise : 0);
         if (value != 0) entries.emplace_back(i, j, value);
       }
-    Eigen::SparseMatrix<double> matrix(count, count);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    for (jitter_ = 0;; jitter_ = jitter_ > 0 ? 2 * jitter_ : noise / 16) {
-      sparse_.setShift(jitter_);
-      sparse_.compute(matrix);
-      if (sparse_.info() == Eigen::Success) break;
+    is_sparse_ = static_cast<double>(entries.size()) <
+                 kSparseBelow * static_cast<double>(count) * static_cast<double>(count + 1) / 2;
+    if (is_sparse_) {
+      Eigen::SparseMatrix<double> matrix(count, count);
+      matrix.setFromTriplets(entries.begin(), entries.end());
+      for (jitter_ = 0;; jitter_ = jitter_ > 0 ? 2 * jitter_ : noise / 16) {
+        sparse_.setShift(jitter_);
+        sparse_.compute(matrix);
+        if (sparse_.info() == Eigen::Success) break;
+      }
+      weights_ = sparse_.solve(residuals);
+      return;
     }
-    weights_ = sparse_.solve(residuals);
-    return;
   }
   Eigen::MatrixXd matrix(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
@@ -181,9 +187,8 @@ void GaussianProcess::Predict(Span<const SignalLink> links,
     for (Eigen::Index q = 0; q < width; ++q)
       for (Eigen::Index i = 0; i < count; ++i)
         cross(i, q) = Covariance(points_[i].link, links[begin + q]);
-    const Eigen::MatrixXd solved = options_.place.support_m > 0
-                                       ? Eigen::MatrixXd(sparse_.solve(cross))
-                                       : Eigen::MatrixXd(dense_.solve(cross));
+    const Eigen::MatrixXd solved =
+        is_sparse_ ? Eigen::MatrixXd(sparse_.solve(cross)) : Eigen::MatrixXd(dense_.solve(cross));
     for (Eigen::Index q = 0; q < width; ++q) {
       SignalPrediction& prediction = predictions[begin + q];
       prediction.dbm += cross.col(q).dot(weights_);

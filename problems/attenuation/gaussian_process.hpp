@@ -60,6 +60,7 @@ class GaussianProcess : public SignalPredictor {
   std::vector<SignalMeasurement> all_, points_;
   std::size_t learnt_at_ = 0;
   double jitter_ = 0;
+  bool is_sparse_ = false;  // which of the factors below is in use
   Eigen::VectorXd weights_;
   Eigen::LLT<Eigen::MatrixXd> dense_;
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> sparse_;
