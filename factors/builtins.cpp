@@ -6,6 +6,7 @@
 #include "graticule/factors/pose.hpp"
 #include "graticule/factors/position.hpp"
 #include "graticule/factors/prior.hpp"
+#include "graticule/factors/registration.hpp"
 #include "graticule/factors/reprojection.hpp"
 #include "graticule/factors/sdk.hpp"
 #include "graticule/factors/signal.hpp"
@@ -24,7 +25,8 @@ template <class... Lenses>
 void AddCameras(Registry* registry) {
   (registry->Add(MakeVariableType(sdk::VariableTable<CameraVariable<Lenses>>::kTable, kOrigin)),
    ...);
-  (AddFactors<Reprojection<Lenses>, CornerReprojection<Lenses>, PriorCamera<Lenses>>(registry),
+  (AddFactors<Reprojection<Lenses>, CornerReprojection<Lenses>, PriorCamera<Lenses>,
+              PointReprojection<Lenses>>(registry),
    ...);
 }
 
@@ -41,7 +43,7 @@ Registry Builtins() {
   AddFactors<PriorOffsetSe3, PriorOffsetSe3Quaternion>(&registry);
   AddFactors<PriorPoint2, PriorPoint3>(&registry);
   AddFactors<PositionSe2, PositionSe3, GeodeticSe2>(&registry);
-  AddFactors<BalReprojection>(&registry);
+  AddFactors<BalReprojection, BoardPlane>(&registry);
   AddFactors<PathLoss, SignalPath, PathLossNotHeard, SignalPathNotHeard>(&registry);
   AddFactors<AttenuationSmooth, AttenuationPrior, RadioBiasPrior, PathLossPrior>(&registry);
   registry.Add(MakeVariableType(sdk::VariableTable<BoardWarp>::kTable, kOrigin));

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <shared_mutex>
 
+#include "graticule/factors/registration.hpp"
 #include "graticule/factors/reprojection.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/nearest.hpp"
@@ -22,7 +23,8 @@ CameraModel Model() {
           CameraVariable<Lens>::kName,
           Reprojection<Lens>::kName,
           PriorCamera<Lens>::kName,
-          CornerReprojection<Lens>::kName};
+          CornerReprojection<Lens>::kName,
+          PointReprojection<Lens>::kName};
 }
 
 template <class... Lenses>

@@ -25,6 +25,7 @@ struct CameraModel {
   std::string view_factor;    ///< "reprojection_angular4/1"
   std::string prior_factor;   ///< "prior_camera_angular4/1"
   std::string corner_factor;  ///< "corner_reprojection_angular4/1"
+  std::string point_factor;   ///< "point_reprojection_angular4/1"
 };
 
 /// All built-in models, the simplest of a family first.

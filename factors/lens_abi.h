@@ -19,7 +19,7 @@ extern "C" {
 typedef struct graticule_lens_v1 {
   uint32_t size; /* sizeof this struct as the plug-in was compiled */
   uint32_t flags;
-  const char* name;    /* "division"; the plug-in has camera_division/1 and its three factors */
+  const char* name;    /* "division"; the plug-in has camera_division/1 and its four factors */
   const char* fields;  /* of camera_division/1: fx fy cx cy, then the lens' terms */
   int32_t parameters;  /* how many */
   const double* start; /* the terms to begin a fit from; null: zeros */

@@ -23,7 +23,8 @@ void CheckTypes(const std::string& file, const CameraModel& model, const Registr
   if (variable->Size() != model.parameters)
     Refuse(file, "lens " + name + " has " + std::to_string(model.parameters) + " parameters, " +
                      model.variable + " " + std::to_string(variable->Size()));
-  for (const std::string& factor : {model.view_factor, model.prior_factor, model.corner_factor})
+  for (const std::string& factor :
+       {model.view_factor, model.prior_factor, model.corner_factor, model.point_factor})
     if (!types.FindFactorType(factor))
       Refuse(file, "lens " + name + " needs factor type " + factor);
 }
@@ -46,6 +47,7 @@ CameraModel ModelOf(const std::string& file, const graticule_lens_v1* lens) {
   model.view_factor = "reprojection_" + name + "/1";
   model.prior_factor = "prior_camera_" + name + "/1";
   model.corner_factor = "corner_reprojection_" + name + "/1";
+  model.point_factor = "point_reprojection_" + name + "/1";
   return model;
 }
 

@@ -19,6 +19,7 @@
 // clang-format on
 
 #include "graticule/factors/lens_abi.h"
+#include "graticule/factors/registration.hpp"
 #include "graticule/factors/reprojection.hpp"
 
 #pragma GCC visibility push(hidden)
@@ -49,7 +50,7 @@ struct LensTable {
 template <class... Lenses>
 const graticule_plugin_v1* LensPlugin(const char* name, const char* version, const char* licence) {
   return Plugin<CameraVariable<Lenses>..., Reprojection<Lenses>..., CornerReprojection<Lenses>...,
-                PriorCamera<Lenses>...>(name, version, licence);
+                PriorCamera<Lenses>..., PointReprojection<Lenses>...>(name, version, licence);
 }
 
 template <class... Lenses>

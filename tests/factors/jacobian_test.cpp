@@ -40,6 +40,11 @@ State RandomState(const FactorType& type, Random* random) {
     state.blocks.push_back(testing::RandomValue(Made::Variable(block.variable_type), random));
   if (type.name.find("reprojection_") != std::string::npos && state.blocks.size() == 4)
     testing::PlaceBeforeTheCamera(&state.blocks[1], &state.blocks[2], random);
+  if (type.name.find("point_reprojection_") == 0) {
+    std::vector<double> depth(7);
+    testing::PlaceBeforeTheCamera(&state.blocks[1], &depth, random);
+    state.blocks[1][2] = depth[2];
+  }
   return state;
 }
 
