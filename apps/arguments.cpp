@@ -373,6 +373,7 @@ int RunFromArguments(int argc, char** argv) {
   AddMap(&app, &chosen);
   AddCalibrate(&app, &chosen);
   AddSegment(&app, &chosen);
+  AddCoregister(&app, &chosen);
   AddConvert(&app, &chosen);
   AddInspect(&app, &chosen);
   AddCheck(&app, &chosen);

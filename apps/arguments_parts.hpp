@@ -37,4 +37,7 @@ std::vector<std::string> GuideAsCommand(std::vector<std::string> words);
 /// `graticule segment`.
 void AddSegment(CLI::App* app, Chosen* chosen);
 
+/// `graticule coregister`.
+void AddCoregister(CLI::App* app, Chosen* chosen);
+
 }  // namespace graticule::apps

@@ -138,6 +138,18 @@ struct SegmentCommand {
   int stride = 1;  ///< every so many rows and columns
 };
 
+struct CoregisterCommand {
+  std::string camera, points;      ///< "" or files
+  std::string detections, planes;  ///< both or neither
+  Reading reading;
+  std::string output, record, picture, error_map;
+  bool free_parameters = false;
+  double sigma_px = 0;  ///< 0: as the residuals say
+  double sigma_m = 0.02;
+  std::vector<double> ranges_m;  ///< empty: those of the points
+  bool json = false;
+};
+
 /// From graph to graph of a mission that has no sequence yet.
 inline constexpr double kEveryS = 10;
 
@@ -203,6 +215,7 @@ int Run(const CalibrateEvaluateCommand& command, const Console& console);
 int Run(const CalibrateGuideCommand& command, const Console& console);
 int Run(const CalibrateTargetCommand& command, const Console& console);
 int Run(const SegmentCommand& command, const Console& console);
+int Run(const CoregisterCommand& command, const Console& console);
 int Run(const ConvertCommand& command, const Console& console);
 int Run(const InspectCommand& command, const Console& console);
 int Run(const CheckCommand& command, const Console& console);

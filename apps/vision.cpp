@@ -57,5 +57,6 @@ int Run(const CalibrateEvaluateCommand&, const Console&) { return Become(kVision
 int Run(const CalibrateGuideCommand&, const Console&) { return Become(kVision); }
 int Run(const CalibrateTargetCommand&, const Console&) { return Become(kVision); }
 int Run(const SegmentCommand&, const Console&) { return Become(kVision); }
+int Run(const CoregisterCommand&, const Console&) { return Become(kVision); }
 
 }  // namespace graticule::apps
