@@ -7,8 +7,8 @@
 #include "commands.hpp"
 #include "graticule/io/cloud_files.hpp"
 #include "graticule/io/file.hpp"
-#include "graticule/io/lidar_rig.hpp"
 #include "graticule/io/photo.hpp"
+#include "graticule/io/rig.hpp"
 #include "graticule/problems/segmentation/colour_cloud.hpp"
 #include "graticule/problems/segmentation/segment_statistics.hpp"
 #include "graticule/problems/segmentation/segmenter.hpp"
@@ -59,7 +59,7 @@ PointCloud Thinned(const PointCloud& cloud, std::size_t stride) {
 
 PointCloud ColouredByImage(const SegmentCommand& command, const PointCloud& cloud,
                            CloudColours* colours) {
-  LidarRig rig = ReadLidarRig(command.rig);
+  LidarRig rig = ReadRig(command.rig);
   const ColourImage image = ReadColourPhoto(command.image);
   if (rig.camera.width == 0 && rig.camera.height == 0) {
     rig.camera.width = static_cast<int>(image.width);

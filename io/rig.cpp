@@ -38,7 +38,10 @@ LidarRig ParseRig(std::string_view text, const std::string& name) {
   return rig;
 }
 
-LidarRig ReadRig(const std::string& path) { return ParseRig(ReadFile(path), path); }
+LidarRig ReadRig(const std::string& path) {
+  const bool is_kitti = path.size() > 4 && path.compare(path.size() - 4, 4, ".txt") == 0;
+  return is_kitti ? ParseKittiRig(ReadFile(path), path) : ParseRig(ReadFile(path), path);
+}
 
 std::string FormatRig(const LidarRig& rig) {
   CameraRig file;

@@ -23,9 +23,15 @@ struct LidarRig {
 /// A rig is a camera file of our own (io/camera_file.hpp) whose rig's frame is the LIDAR's, which
 /// its meta says: `rig_frame: lidar`.  Every program that reads camera files reads it.
 ///
+/// A name that ends in `.txt` is KITTI's calibration: see ParseKittiRig.
+///
 /// Throws Error as ReadCameras does, and "path: ..." where it is no rig of one camera and a LIDAR.
 LidarRig ReadRig(const std::string& path);
 LidarRig ParseRig(std::string_view text, const std::string& name);
+
+/// KITTI's P2, R0_rect and Tr_velo_to_cam: a pinhole whose images' size they do not say (0).
+/// Throws Error "name:line: ...": a matrix that is missing, short or no rotation.
+LidarRig ParseKittiRig(std::string_view text, const std::string& name);
 
 /// All numbers come back to the last bit.
 std::string FormatRig(const LidarRig& rig);

@@ -47,7 +47,7 @@ TEST_F(DetectAllTest, ListsWhatItCouldNotUseAndWhy) {
   for (const char* name : {"c.png", "a.png", "e.png"}) WriteFile(Path(name), Picture());
   WriteFile(Path("b.png"), Picture().substr(0, 300));
   WriteFile(Path("d.png"), Picture(500));
-  WriteFile(Path("f.png"), FormatPng({400, 283, std::vector<std::uint8_t>(400 * 283, 200)}));
+  WriteFile(Path("f.png"), FormatPng(GreyImage{400, 283, std::vector<std::uint8_t>(400 * 283, 200)}));
   WriteFile(Path("notes.txt"), "no picture");
   DetectAllOptions options;
   options.target = target_;
@@ -89,7 +89,7 @@ TEST_F(DetectAllTest, FindsTheSameByAnyNumberOfThreads) {
 }
 
 TEST_F(DetectAllTest, SaysSoWhereThereIsNoTarget) {
-  WriteFile(Path("a.png"), FormatPng({400, 283, std::vector<std::uint8_t>(400 * 283, 200)}));
+  WriteFile(Path("a.png"), FormatPng(GreyImage{400, 283, std::vector<std::uint8_t>(400 * 283, 200)}));
   ExpectError(ErrorKind::kInput, {"no calibration target was recognised in 1 of 1 images"},
               [&] { DetectAll({Path("a.png")}, {}); });
   DetectAllOptions options;

@@ -1,4 +1,4 @@
-#include "graticule/io/lidar_rig.hpp"
+#include "graticule/io/rig.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -8,17 +8,12 @@
 #include <vector>
 
 #include "graticule/io/camera_pose.hpp"
-#include "graticule/io/file.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
 namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
-bool EndsWith(const std::string& text, std::string_view end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 }  // namespace
 
@@ -78,14 +73,6 @@ LidarRig ParseKittiRig(std::string_view text, const std::string& name) {
   rig.camera = {"image_2", "pinhole", 0, 0, {k(0, 0), k(1, 1), k(0, 2), k(1, 2)}};
   rig.camera_from_lidar = PoseOf(rotation.data(), translation.data());
   return rig;
-}
-
-LidarRig ReadLidarRig(const std::string& path) {
-  if (EndsWith(path, ".txt")) return ParseKittiRig(ReadFile(path), path);
-  const CameraRig rig = ReadCameras(path);
-  if (rig.cameras.size() != 1)
-    throw Error(path + ": expected one camera, found " + std::to_string(rig.cameras.size()));
-  return {rig.cameras[0].intrinsics, rig.cameras[0].camera_from_rig};
 }
 
 }  // namespace graticule
