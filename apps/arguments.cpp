@@ -379,6 +379,7 @@ int RunFromArguments(int argc, char** argv) {
   AddCheck(&app, &chosen);
   AddSimulate(&app, &chosen);
   AddSimulateMission(&app, &chosen);
+  AddSimulateScene(&app, &chosen);
   AddLists(&app, &chosen);
   ExpectCommand(app, argc, argv);
   try {

@@ -34,8 +34,9 @@ void AddCalibrate(CLI::App* app, Chosen* chosen);
 /// `calibrate --guide ...` as `calibrate guide ...`.
 std::vector<std::string> GuideAsCommand(std::vector<std::string> words);
 
-/// `graticule segment`.
+/// `graticule segment` and `graticule simulate-scene`.
 void AddSegment(CLI::App* app, Chosen* chosen);
+void AddSimulateScene(CLI::App* app, Chosen* chosen);
 
 /// `graticule coregister`.
 void AddCoregister(CLI::App* app, Chosen* chosen);

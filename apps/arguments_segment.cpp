@@ -22,8 +22,7 @@ void AddSegment(CLI::App* app, Chosen* chosen) {
                   "algorithm), colour, normals, image (the grid's colours alone)")
       ->check(CLI::IsMember({"convex", "joint", "colour", "normals", "image"}))
       ->capture_default_str();
-  sub->add_option("-o,--output", command->output,
-                  "write the cloud with its labels: .ply or .pcd");
+  sub->add_option("-o,--output", command->output, "write the cloud with its labels: .ply or .pcd");
   sub->add_option("--colours", command->colours,
                   "of the output's points: false (a colour a segment), mean (of the segment), own")
       ->check(CLI::IsMember({"false", "mean", "own"}))
@@ -40,8 +39,9 @@ void AddSegment(CLI::App* app, Chosen* chosen) {
                 "always)");
   sub->add_option("--edge-cut", command->edge_cut_m, "m: longer links are cut (0.25; of .bin 2)")
       ->check(CLI::PositiveNumber);
-  sub->add_option("--grazing", command->grazing_deg,
-                  "degrees: links flatter than this to the view are cut (8; of .bin 2); 0: none are")
+  sub->add_option(
+         "--grazing", command->grazing_deg,
+         "degrees: links flatter than this to the view are cut (8; of .bin 2); 0: none are")
       ->check(CLI::Range(0.0, 89.0));
   sub->add_option("--normal-radius", command->normal_radius,
                   "rows and columns around a point that its normal is of")
@@ -58,6 +58,23 @@ void AddSegment(CLI::App* app, Chosen* chosen) {
   sub->add_option("--every", command->stride, "take every so many rows and columns only")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+}
+
+void AddSimulateScene(CLI::App* app, Chosen* chosen) {
+  auto command = std::make_shared<SimulateSceneCommand>();
+  CLI::App* sub = AddCommand(
+      app, "simulate-scene", "make a scan and a picture of a scene whose labels are known",
+      "  graticule simulate-scene hallway -o hallway\n"
+      "  graticule segment hallway/scan.pcd --image hallway/image.png --rig hallway/rig.yaml "
+      "--picture labels.png",
+      command, chosen);
+  sub->add_option("SCENE", command->scene,
+                  "hallway (bins, a box, a ball) or hill (barrels, a tree)")
+      ->required()
+      ->check(CLI::IsMember({"hallway", "hill"}));
+  sub->add_option("-o,--output", command->output, "the folder: scan.pcd, image.png, rig.yaml")
+      ->required();
+  sub->add_option("--seed", command->seed, "of the noise")->capture_default_str();
 }
 
 }  // namespace graticule::apps

@@ -197,6 +197,11 @@ struct SimulateMissionCommand {
   std::string datum = "42.293,-83.711,260";
 };
 
+struct SimulateSceneCommand {
+  std::string scene, output;
+  std::uint64_t seed = 1;
+};
+
 struct OptionsCommand {
   bool markdown = false;
 };
@@ -221,6 +226,7 @@ int Run(const InspectCommand& command, const Console& console);
 int Run(const CheckCommand& command, const Console& console);
 int Run(const SimulateCommand& command, const Console& console);
 int Run(const SimulateMissionCommand& command, const Console& console);
+int Run(const SimulateSceneCommand& command, const Console& console);
 int Run(const OptionsCommand& command, const Console& console);
 int Run(const TypesCommand& command, const Console& console);
 

@@ -63,6 +63,19 @@ TEST_F(Segment, ColoursALidarsScanByAPicture) {
   EXPECT_EQ(CountLines(other.err), 1u) << other.err;
 }
 
+TEST_F(CommandTest, SegmentsASimulatedScene) {
+  ASSERT_EQ(RunCommand({"simulate-scene", "hallway", "-o", Path("hallway")}).exit_code, 0);
+  const std::string folder = Path("hallway/");
+  for (const char* method : {"joint", "convex"}) {
+    const Outcome outcome =
+        RunCommand({"segment", folder + "scan.pcd", "--image", folder + "image.png", "--rig",
+                    folder + "rig.yaml", "--method", method, "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_GT(nlohmann::json::parse(outcome.out)["segments"].size(), 8u);
+  }
+  EXPECT_EQ(RunCommand({"simulate-scene", "attic", "-o", Path("a")}).exit_code, 2);
+}
+
 TEST_F(Segment, RefusesWhatItCannotSegment) {
   const std::string flat =
       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
