@@ -7,7 +7,7 @@
 
 #include "graticule/io/file.hpp"
 #include "graticule/io/text.hpp"
-#include "graticule/problems/mapping/parallel_for.hpp"
+#include "graticule/problems/parallel_for.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
