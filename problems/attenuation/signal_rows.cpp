@@ -151,6 +151,7 @@ void SignalRows::AddOne(const SignalMeasurement& given) {
     row.receiver = link.receiver;
     row.transmitter = link.transmitter;
     row.is_heard = m.is_heard;
+    all_heard_ = all_heard_ && m.is_heard;
     rows_.push_back(row);
     is_changed_.push_back(0);
   }
@@ -186,7 +187,9 @@ void SignalRows::TraceRow(SignalRow* row, RayTracer* tracer) {
 bool SignalRows::Trace() {
   RayTracer tracer = Tracer();
   const bool all = is_map_new_;
+  if (cell_.size() > 2 * entries_ + 4096) DropOldEntries();
   if (all) {
+    ++generation_;
     cells_.Clear();
     cell_.clear();
     length_m_.clear();
@@ -199,13 +202,14 @@ bool SignalRows::Trace() {
     for (const std::size_t i : changed_) TraceRow(&rows_[i], &tracer);
   }
   for (const std::size_t i : changed_) is_changed_[i] = 0;
+  traced_.swap(changed_);
   changed_.clear();
   is_map_new_ = false;
-  if (cell_.size() > 2 * entries_ + 4096) DropOldEntries();
   return all;
 }
 
 void SignalRows::DropOldEntries() {
+  ++generation_;
   std::vector<std::int32_t> cell;
   std::vector<double> length_m;
   cell.reserve(entries_ * 5 / 4);

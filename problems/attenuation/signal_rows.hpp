@@ -88,6 +88,10 @@ class SignalRows {
   /// Traces what is new or changed since; after SetMap all.  Cells keep their numbers unless the
   /// map was set: then true is returned, and they are numbered anew.
   bool Trace();
+  /// The rows that the last Trace traced.
+  const std::vector<std::size_t>& Traced() const { return traced_; }
+  /// Lengths that a row had before it was traced again stay where they were, until this changes.
+  std::size_t Generation() const { return generation_; }
 
   std::size_t Count() const { return rows_.size(); }
   const SignalRow& At(std::size_t i) const { return rows_[i]; }
@@ -97,6 +101,8 @@ class SignalRows {
   /// One more than the highest radio that a measurement named.
   std::uint32_t RadioCount() const { return radio_count_; }
   double MeasurementCount() const { return measurement_count_; }
+  /// False where a row is of packets not heard.
+  bool AllHeard() const { return all_heard_; }
   /// Lengths in cells, of all rows.
   std::size_t EntryCount() const { return entries_; }
 
@@ -120,15 +126,15 @@ class SignalRows {
   std::shared_ptr<const ClassMap> map_;
   std::vector<SignalRow> rows_;
   std::map<std::tuple<std::uint32_t, std::uint32_t, bool>, Open> open_;
-  std::vector<std::size_t> changed_;
+  std::vector<std::size_t> changed_, traced_;
   std::vector<char> is_changed_;
   std::vector<std::int32_t> cell_;
   std::vector<double> length_m_;
-  std::size_t entries_ = 0;
+  std::size_t entries_ = 0, generation_ = 0;
   AttenuationCells cells_;
   std::uint32_t radio_count_ = 0;
   double measurement_count_ = 0;
-  bool is_map_new_ = false;
+  bool is_map_new_ = false, all_heard_ = true;
 };
 
 }  // namespace graticule

@@ -14,7 +14,7 @@ namespace {
 using Lanes = SignalSystem::Lanes;
 
 constexpr std::int32_t kBlock = 4;  // cells, a side of a block that moves together
-constexpr std::size_t kMostBlocks = 160;
+constexpr std::size_t kMostBlocks = 256;
 
 double Scalar(double, double value) { return value; }
 float Scalar(const Lanes&, double value) { return static_cast<float>(value); }
@@ -39,6 +39,19 @@ std::vector<V> Zeros(std::size_t size) {
   V zero;
   SetZero(&zero);
   return std::vector<V>(size, zero);
+}
+
+std::vector<double> Moved(const Eigen::MatrixXf& by, const std::vector<double>& sums) {
+  const Eigen::Map<const Eigen::VectorXd> all(sums.data(), by.rows());
+  const Eigen::VectorXf moved = by * all.cast<float>();
+  return {moved.data(), moved.data() + moved.size()};
+}
+std::vector<Lanes> Moved(const Eigen::MatrixXf& by, const std::vector<Lanes>& sums) {
+  using Columns = Eigen::Matrix<float, Eigen::Dynamic, 16, Eigen::RowMajor>;
+  std::vector<Lanes> moved = sums;
+  Eigen::Map<Columns>(moved[0].data(), by.rows(), 16).noalias() =
+      by * Eigen::Map<const Columns>(sums[0].data(), by.rows(), 16);
+  return moved;
 }
 
 /// Sixteen signs (Steele, Lea, Flood 2014, as in problems/random.hpp) for one term.
@@ -73,24 +86,111 @@ std::size_t SignalSystem::HeadSize(RadioBias kind, std::uint32_t radios) {
   return 2 + std::size_t{radios} * (kind == RadioBias::kRadio ? 1 : 2);
 }
 
+SignalEquation SignalSystem::EquationOf(std::size_t i) const {
+  const SignalRow& row = rows_->At(i);
+  double weight = row.count / (1 + (row.count - 1) * correlation_);
+  if (options_.forget_s > 0) weight *= std::exp((row.time_s - now_s_) / options_.forget_s);
+  return {row.log_distance,
+          row.dbm,
+          weight,
+          ReceiverBias(options_.bias, row.receiver),
+          TransmitterBias(options_.bias, row.transmitter),
+          row.first,
+          row.size};
+}
+
 void SignalSystem::Set(const SignalRows& rows, double sigma_db, double correlation, double now_s) {
+  const std::size_t head = HeadSize(options_.bias, rows.RadioCount());
+  is_anew_ = !has_sums_ || is_altered_ || rows_ != &rows || generation_ != rows.Generation() ||
+             head_ != head || sigma_db_ != sigma_db || correlation_ != correlation ||
+             options_.forget_s > 0;
   rows_ = &rows;
+  generation_ = rows.Generation();
+  head_ = head;
   sigma_db_ = sigma_db;
-  head_ = HeadSize(options_.bias, rows.RadioCount());
+  correlation_ = correlation;
+  now_s_ = now_s;
+  is_altered_ = false;
+  changes_.clear();
+  cells_before_ = is_anew_ ? 0 : prior_.size() - head_;
   prior_.resize(Size());
-  for (std::size_t i = 0; i < prior_.size(); ++i) prior_[i] = PriorWeight(i);
+  for (std::size_t i = is_anew_ ? 0 : head_ + cells_before_; i < Size(); ++i)
+    prior_[i] = PriorWeight(i);
+  const std::size_t before = equations_.size();
   equations_.resize(rows.Count());
-  for (std::size_t i = 0; i < rows.Count(); ++i) {
-    const SignalRow& row = rows.At(i);
-    double weight = row.count / (1 + (row.count - 1) * correlation);
-    if (options_.forget_s > 0) weight *= std::exp((row.time_s - now_s) / options_.forget_s);
-    equations_[i] = {row.log_distance,
-                     row.dbm,
-                     weight,
-                     ReceiverBias(options_.bias, row.receiver),
-                     TransmitterBias(options_.bias, row.transmitter),
-                     row.first,
-                     row.size};
+  if (is_anew_) {
+    has_sums_ = false;
+    for (std::size_t i = 0; i < rows.Count(); ++i) equations_[i] = EquationOf(i);
+    return;
+  }
+  b_.resize(Size(), 0);
+  diagonal_.resize(Size(), 0);
+  for (const std::size_t i : rows.Traced()) {
+    changes_.push_back({i, {}});
+    if (i < before) {
+      changes_.back().before = equations_[i];
+      AddToSums(equations_[i], -1);
+    }
+    equations_[i] = EquationOf(i);
+    AddToSums(equations_[i], 1);
+  }
+  AddPriors(cells_before_, head_ + cells_before_);
+}
+
+/// Adds a row's terms, times `pull`.
+template <class V>
+void SignalSystem::AddTerms(const SignalEquation& row, const V& pull, std::vector<V>* to) const {
+  std::vector<V>& sums = *to;
+  sums[0] += pull;
+  sums[1] -= pull * Scalar(pull, row.log_distance);
+  if (row.receiver >= 0) {
+    sums[static_cast<std::size_t>(row.receiver)] += pull;
+    sums[static_cast<std::size_t>(row.transmitter)] += pull;
+  }
+  const std::int32_t* cell = rows_->CellsOf(SignalRow{}) + row.first;
+  const double* length = rows_->LengthsOf(SignalRow{}) + row.first;
+  for (std::size_t k = 0; k < row.size; ++k)
+    sums[head_ + static_cast<std::size_t>(cell[k])] -= pull * Scalar(pull, length[k]);
+}
+
+void SignalSystem::AddToSums(const SignalEquation& row, double sign) {
+  AddTerms(row, sign * row.weight * row.target_dbm, &b_);
+  const std::int32_t* cell = rows_->CellsOf(SignalRow{}) + row.first;
+  const double* length = rows_->LengthsOf(SignalRow{}) + row.first;
+  for (std::size_t k = 0; k < row.size; ++k)
+    diagonal_[head_ + static_cast<std::size_t>(cell[k])] +=
+        sign * row.weight * length[k] * length[k];
+}
+
+/// Calls f(first, second, which) for neighbours of whom one is a cell numbered `from` or above;
+/// `which` is 1 where the second is to the right of the first, 2 where it is above.
+template <class F>
+void SignalSystem::ForNewPairs(std::size_t from, const F& f) const {
+  const AttenuationCells& cells = rows_->Cells();
+  for (std::size_t i = from; i < cells.Count(); ++i) {
+    const AttenuationCell& cell = cells.At(i);
+    const std::int32_t ahead[] = {cells.Right(i), cells.Up(i)};
+    const std::int32_t behind[] = {cells.Find(cell.material, cell.x - 1, cell.y),
+                                   cells.Find(cell.material, cell.x, cell.y - 1)};
+    for (std::uint64_t k = 0; k < 2; ++k) {
+      if (ahead[k] >= 0) f(i, static_cast<std::size_t>(ahead[k]), k + 1);
+      // Of a new one it was that one's neighbour ahead.
+      if (behind[k] >= 0 && static_cast<std::size_t>(behind[k]) < from)
+        f(static_cast<std::size_t>(behind[k]), i, k + 1);
+    }
+  }
+}
+
+/// Smoothness and priors of cells from one on, priors of unknowns from another on.
+void SignalSystem::AddPriors(std::size_t from_cell, std::size_t from_unknown) {
+  const double smooth = SmoothWeight();
+  ForNewPairs(from_cell, [&](std::size_t a, std::size_t b, std::uint64_t) {
+    diagonal_[head_ + a] += smooth;
+    diagonal_[head_ + b] += smooth;
+  });
+  for (std::size_t i = from_unknown; i < Size(); ++i) {
+    b_[i] += prior_[i] * PriorMean(i);
+    diagonal_[i] += prior_[i];
   }
 }
 
@@ -164,40 +264,19 @@ void SignalSystem::Multiply(const std::vector<V>& x, std::vector<V>* y) const {
 
 void SignalSystem::Prepare() {
   const AttenuationCells& cells = rows_->Cells();
-  b_.assign(Size(), 0);
-  std::vector<double>& diagonal = inverse_diagonal_;
-  diagonal.assign(Size(), 0);
-  for (const SignalEquation& row : equations_) {
-    const double pull = row.weight * row.target_dbm;
-    b_[0] += pull;
-    b_[1] -= pull * row.log_distance;
-    if (row.receiver >= 0) {
-      b_[static_cast<std::size_t>(row.receiver)] += pull;
-      b_[static_cast<std::size_t>(row.transmitter)] += pull;
-    }
-    const std::int32_t* cell = rows_->CellsOf(SignalRow{}) + row.first;
-    const double* length = rows_->LengthsOf(SignalRow{}) + row.first;
-    for (std::size_t k = 0; k < row.size; ++k) {
-      const std::size_t at = head_ + static_cast<std::size_t>(cell[k]);
-      b_[at] -= pull * length[k];
-      diagonal[at] += row.weight * length[k] * length[k];
-    }
+  if (!has_sums_ || is_altered_) {
+    b_.assign(Size(), 0);
+    diagonal_.assign(Size(), 0);
+    for (const SignalEquation& row : equations_) AddToSums(row, 1);
+    AddPriors(0, 0);
+    has_sums_ = true;
   }
-  const double smooth = SmoothWeight();
-  for (std::size_t i = 0; i < cells.Count(); ++i)
-    for (const std::int32_t other : {cells.Right(i), cells.Up(i)}) {
-      if (other < 0) continue;
-      diagonal[head_ + i] += smooth;
-      diagonal[head_ + static_cast<std::size_t>(other)] += smooth;
-    }
-  for (std::size_t i = 0; i < Size(); ++i) {
-    b_[i] += prior_[i] * PriorMean(i);
-    diagonal[i] = 1 / (diagonal[i] + prior_[i]);
-  }
+  inverse_diagonal_.resize(Size());
+  for (std::size_t i = 0; i < Size(); ++i) inverse_diagonal_[i] = 1 / diagonal_[i];
   // A preconditioner need not be of the latest rows; it must fit the unknowns.
   const std::size_t size = rows_->EntryCount() + equations_.size();
   if (coarse_at_head_ != head_ || coarse_at_cells_ > cells.Count() || size < coarse_at_entries_ ||
-      5 * size > 6 * coarse_at_entries_) {
+      10 * size > 13 * coarse_at_entries_) {
     MakeCoarse();
     coarse_at_entries_ = size;
   } else if (block_of_.size() < cells.Count()) {
@@ -225,7 +304,9 @@ void SignalSystem::MakeCoarse() {
     if (blocks <= kMostBlocks || side > (1 << 28)) break;
   }
   const Eigen::MatrixXd coarse = Condensed(block_of_, blocks);
-  coarse_inverse_ = coarse.llt().solve(Eigen::MatrixXd::Identity(coarse.rows(), coarse.cols()));
+  const Eigen::MatrixXd inverse =
+      coarse.llt().solve(Eigen::MatrixXd::Identity(coarse.rows(), coarse.cols()));
+  coarse_inverse_ = (.5 * (inverse + inverse.transpose())).cast<float>();
 }
 
 Eigen::MatrixXd SignalSystem::Condensed(const std::vector<std::int32_t>& block_of,
@@ -283,17 +364,13 @@ template <class V>
 void SignalSystem::Precondition(const std::vector<V>& r, std::vector<V>* z) const {
   const V unit{};
   const auto size = static_cast<std::size_t>(coarse_inverse_.rows());
-  std::vector<V> sums = Zeros<V>(size), moves = Zeros<V>(size);
+  std::vector<V> sums = Zeros<V>(size);
   for (std::size_t i = 0; i < head_; ++i) sums[i] = r[i];
   for (std::size_t i = head_; i < r.size(); ++i) {
     const std::int32_t block = block_of_[i - head_];
     if (block >= 0) sums[head_ + static_cast<std::size_t>(block)] += r[i];
   }
-  for (std::size_t j = 0; j < size; ++j) {
-    const double* column = coarse_inverse_.data() + j * size;
-    const V sum = sums[j];
-    for (std::size_t i = 0; i < size; ++i) moves[i] += sum * Scalar(unit, column[i]);
-  }
+  const std::vector<V> moves = Moved(coarse_inverse_, sums);
   for (std::size_t i = 0; i < head_; ++i) (*z)[i] = moves[i];
   for (std::size_t i = head_; i < r.size(); ++i) {
     const std::int32_t block = block_of_[i - head_];
@@ -333,35 +410,48 @@ template int SignalSystem::Solve(const std::vector<double>&, double, int,
                                  std::vector<double>*) const;
 template int SignalSystem::Solve(const std::vector<Lanes>&, double, int, std::vector<Lanes>*) const;
 
-std::vector<SignalSystem::Lanes> SignalSystem::Perturbations(std::uint64_t seed) const {
-  std::vector<Lanes> b = Zeros<Lanes>(Size());
+void SignalSystem::Perturb(std::uint64_t seed, std::vector<Lanes>* b) const {
+  const auto pull = [&](std::size_t row, double weight) -> Lanes {
+    return Signs(seed, 0, row) * static_cast<float>(std::sqrt(weight));
+  };
+  const bool all = is_anew_ || b->empty();
+  if (all) b->clear();
+  b->resize(Size(), Lanes::Zero());
+  if (all) {
+    for (std::size_t i = 0; i < equations_.size(); ++i)
+      AddTerms(equations_[i], pull(i, equations_[i].weight), b);
+  }
+  for (std::size_t c = 0; !all && c < changes_.size(); ++c) {
+    const std::size_t row = changes_[c].row;
+    if (changes_[c].before.weight > 0)
+      AddTerms<Lanes>(changes_[c].before, -pull(row, changes_[c].before.weight), b);
+    AddTerms(equations_[row], pull(row, equations_[row].weight), b);
+  }
+  const auto smooth = static_cast<float>(std::sqrt(SmoothWeight()));
+  ForNewPairs(all ? 0 : cells_before_, [&](std::size_t from, std::size_t to, std::uint64_t which) {
+    const Lanes off = Signs(seed, which, from) * smooth;
+    (*b)[head_ + from] += off;
+    (*b)[head_ + to] -= off;
+  });
+  for (std::size_t i = all ? 0 : head_ + cells_before_; i < Size(); ++i)
+    (*b)[i] += Signs(seed, 3, i) * static_cast<float>(std::sqrt(prior_[i]));
+}
+
+double SignalSystem::DegreesOfFreedom(std::uint64_t seed, const std::vector<Lanes>& x) const {
+  double sum = 0;
   for (std::size_t i = 0; i < equations_.size(); ++i) {
     const SignalEquation& row = equations_[i];
-    const Lanes pull = Signs(seed, 0, i) * static_cast<float>(std::sqrt(row.weight));
-    b[0] += pull;
-    b[1] -= pull * static_cast<float>(row.log_distance);
-    if (row.receiver >= 0) {
-      b[static_cast<std::size_t>(row.receiver)] += pull;
-      b[static_cast<std::size_t>(row.transmitter)] += pull;
-    }
+    Lanes off = x[0] - x[1] * static_cast<float>(row.log_distance);
+    if (row.receiver >= 0)
+      off +=
+          x[static_cast<std::size_t>(row.receiver)] + x[static_cast<std::size_t>(row.transmitter)];
     const std::int32_t* cell = rows_->CellsOf(SignalRow{}) + row.first;
     const double* length = rows_->LengthsOf(SignalRow{}) + row.first;
     for (std::size_t k = 0; k < row.size; ++k)
-      b[head_ + static_cast<std::size_t>(cell[k])] -= pull * static_cast<float>(length[k]);
+      off -= x[head_ + static_cast<std::size_t>(cell[k])] * static_cast<float>(length[k]);
+    sum += std::sqrt(row.weight) * static_cast<double>((off * Signs(seed, 0, i)).mean());
   }
-  const AttenuationCells& cells = rows_->Cells();
-  for (std::size_t i = 0; i < cells.Count(); ++i) {
-    std::uint64_t kind = 1;
-    for (const std::int32_t other : {cells.Right(i), cells.Up(i)}) {
-      const Lanes pull = Signs(seed, kind++, i) * static_cast<float>(std::sqrt(SmoothWeight()));
-      if (other < 0) continue;
-      b[head_ + i] += pull;
-      b[head_ + static_cast<std::size_t>(other)] -= pull;
-    }
-  }
-  for (std::size_t i = 0; i < Size(); ++i)
-    b[i] += Signs(seed, 3, i) * static_cast<float>(std::sqrt(PriorWeight(i)));
-  return b;
+  return sum;
 }
 
 }  // namespace graticule

@@ -30,13 +30,29 @@ class SignalSystem {
 
   explicit SignalSystem(const TomographyOptions& options) : options_(options) {}
 
+  /// A row that is new, or that was traced again.
+  struct Change {
+    std::size_t row;
+    SignalEquation before;  ///< weight 0: there was none
+  };
+
   /// Takes the rows as they are now.  `correlation` as in TomographyOptions; `now_s` for
-  /// forgetting.
+  /// forgetting.  What it costs is of the rows that the last Trace traced, where nothing that all
+  /// rows depend on has changed: the noise, the radios, the map, and no forgetting.
   void Set(const SignalRows& rows, double sigma_db, double correlation, double now_s);
-  /// Weights and targets may be changed, then Prepare must be called.
-  std::vector<SignalEquation>& Equations() { return equations_; }
+  /// Whether the last Set took all rows anew; if not, Changes are what it did, and cells from
+  /// CellsBefore on are new.
+  bool IsAnew() const { return is_anew_; }
+  const std::vector<Change>& Changes() const { return changes_; }
+  std::size_t CellsBefore() const { return cells_before_; }
+
+  /// To change weights and targets; then Prepare must be called, and the next Set is of all rows.
+  std::vector<SignalEquation>& ChangeEquations() {
+    is_altered_ = true;
+    return equations_;
+  }
   const std::vector<SignalEquation>& Equations() const { return equations_; }
-  /// The diagonal, and the right-hand side, of the equations as they are.
+  /// The diagonal, the right-hand side and the preconditioner, of the equations as they are.
   void Prepare();
 
   std::size_t HeadSize() const { return head_; }
@@ -66,11 +82,23 @@ class SignalSystem {
 
   /// Sixteen right-hand sides whose solutions have the covariance N^-1 and mean zero (perturb and
   /// MAP: Papandreou and Yuille 2010), with signs as perturbations.
-  std::vector<Lanes> Perturbations(std::uint64_t seed) const;
+  /// `b` is what the last call gave for this seed, or empty: where the last Set was of some rows,
+  /// so is what this costs.  Must be called after every Set that is not of all rows.
+  void Perturb(std::uint64_t seed, std::vector<Lanes>* b) const;
+  /// The trace of N^-1 A'WA, how many of the rows' squares the unknowns take up, from solutions for
+  /// Perturb of this seed.  Solutions that are not finished give less.
+  double DegreesOfFreedom(std::uint64_t seed, const std::vector<Lanes>& x) const;
   /// N, whole: for few unknowns.
   Eigen::MatrixXd Dense() const;
 
  private:
+  void AddPriors(std::size_t from_cell, std::size_t from_unknown);
+  void AddToSums(const SignalEquation& row, double sign);
+  template <class V>
+  void AddTerms(const SignalEquation& row, const V& pull, std::vector<V>* to) const;
+  template <class F>
+  void ForNewPairs(std::size_t from, const F& f) const;
+  SignalEquation EquationOf(std::size_t i) const;
   void MakeCoarse();
   /// N where the cells of a block move together.
   Eigen::MatrixXd Condensed(const std::vector<std::int32_t>& block_of, std::size_t blocks) const;
@@ -80,14 +108,17 @@ class SignalSystem {
   TomographyOptions options_;
   const SignalRows* rows_ = nullptr;
   std::size_t head_ = 2;
-  double sigma_db_ = 1;
+  double sigma_db_ = 1, correlation_ = 0, now_s_ = 0;
+  std::size_t generation_ = 0, cells_before_ = 0;
+  bool is_anew_ = true, is_altered_ = false, has_sums_ = false;
+  std::vector<Change> changes_;
   std::vector<SignalEquation> equations_;
-  std::vector<double> b_, prior_, inverse_diagonal_;
+  std::vector<double> b_, prior_, diagonal_, inverse_diagonal_;
 
   // Second level of the preconditioner: the head, and blocks of cells that move together.
   std::vector<std::int32_t> block_of_;  // a cell's; below zero: none
   std::size_t coarse_at_entries_ = 0, coarse_at_head_ = 0, coarse_at_cells_ = 0;
-  Eigen::MatrixXd coarse_inverse_;
+  Eigen::MatrixXf coarse_inverse_;
 };
 
 }  // namespace graticule

@@ -13,7 +13,10 @@ namespace graticule {
 namespace {
 
 constexpr std::size_t kLanes = 16;
-constexpr double kGrowth = 1.2;           // samples are drawn anew when rows have grown by this
+constexpr double kGrowth = 1.2;         // samples are drawn anew when rows have grown by this
+constexpr double kNoiseGrowth = 1.05;   // noise is estimated anew
+constexpr double kSampleGrowth = 1.01;  // sixteen samples are brought up to date
+constexpr int kSampleIterationsAnUpdate = 4;
 constexpr double kSampleTolerance = .03;  // of sums of about as many squares as there are unknowns
 constexpr int kSampleIterations = 60;
 constexpr int kRounds = 6;
@@ -21,13 +24,17 @@ constexpr double kHastyShare = .01;  // of all noise: enough to know the noise t
 
 }  // namespace
 
+std::uint64_t Tomography::SeedOf(std::size_t lane) const { return options_.seed * 1000 + lane; }
+
 Tomography::Tomography(TomographyOptions options)
     : options_((options.Check(), std::move(options))),
       rows_(options_),
       system_(options_),
       sigma_db_(options_.sigma_db),
-      correlation_(std::max(0.0, options_.correlation)) {
-  system_.Set(rows_, sigma_db_, correlation_, 0);
+      correlation_(std::max(0.0, options_.correlation)),
+      weight_sigma_db_(sigma_db_),
+      weight_correlation_(correlation_) {
+  TakeRows(0);
   TakeUnknowns(true);
   UpdatePosterior(true);
 }
@@ -47,6 +54,17 @@ void Tomography::SetClassMap(std::shared_ptr<const ClassMap> map) {
 
 void Tomography::AddMeasurements(Span<const SignalMeasurement> measurements) {
   rows_.Add(measurements);
+}
+
+void Tomography::TakeRows(double now_s) {
+  system_.Set(rows_, weight_sigma_db_, weight_correlation_, now_s);
+  for (std::size_t at = 0; at < perturbed_.size(); ++at) {
+    if (system_.IsAnew()) {
+      perturbed_[at].clear();
+    } else if (!perturbed_[at].empty()) {
+      system_.Perturb(SeedOf(at), &perturbed_[at]);
+    }
+  }
 }
 
 /// Brings x_ to the unknowns that there are now, with what was learnt of those that were.
@@ -79,26 +97,32 @@ void Tomography::TakeUnknowns(bool is_anew) {
 }
 
 void Tomography::Update(double now_s) {
-  const double before = static_cast<double>(rows_.EntryCount() + rows_.Count());
+  last_iterations_ = 0;
   const bool is_anew = rows_.Trace();
-  system_.Set(rows_, sigma_db_, correlation_, now_s);
+  TakeRows(now_s);
   if (is_anew || x_.size() != system_.Size()) TakeUnknowns(is_anew);
-  const double now = static_cast<double>(rows_.EntryCount() + rows_.Count());
-  const bool is_batch = is_anew || now > kGrowth * before;
+  const double size = static_cast<double>(rows_.EntryCount() + rows_.Count());
+  const bool is_batch = is_anew || size > kGrowth * size_at_update_;
+  const int most = is_batch ? options_.max_iterations : options_.update_iterations;
+  const bool is_noise_due = is_batch || size > kNoiseGrowth * size_at_noise_;
   const bool all_samples = is_batch || lanes_.empty();
+  size_at_update_ = size;
   const double hasty = kHastyShare * sigma_db_ * std::sqrt(static_cast<double>(rows_.Count()));
   // Weights depend on the noise that the solution leaves: to and fro, at first without haste.
   for (int round = 0; is_batch && options_.estimate_sigma && round < kRounds; ++round) {
-    SolveMean(now_s, std::max(options_.tolerance_db, hasty));
+    SolveMean(now_s, std::max(options_.tolerance, hasty), most);
     if (round == 0) UpdatePosterior(false);
     if (!EstimateNoise()) break;
-    system_.Set(rows_, sigma_db_, correlation_, now_s);
+    TakeRows(now_s);
   }
-  SolveMean(now_s, options_.tolerance_db);
+  SolveMean(now_s, options_.tolerance, most);
   UpdatePosterior(all_samples);
-  if (options_.estimate_sigma && EstimateNoise()) {
-    system_.Set(rows_, sigma_db_, correlation_, now_s);
-    SolveMean(now_s, options_.tolerance_db);
+  if (options_.estimate_sigma && is_noise_due) {
+    size_at_noise_ = size;
+    if (EstimateNoise()) {
+      TakeRows(now_s);
+      SolveMean(now_s, options_.tolerance, most);
+    }
   }
   if (is_anew || cells_.Count() != rows_.Cells().Count()) cells_ = rows_.Cells();
   head_.assign(x_.begin(), x_.begin() + static_cast<std::ptrdiff_t>(system_.HeadSize()));
@@ -108,9 +132,10 @@ void Tomography::Update(double now_s) {
 /// Weights and targets of rows whose residual does not count by its square: a step of Newton's
 /// method for packets not heard, of iterated weights for a loss.
 void Tomography::Linearise() {
+  std::vector<SignalEquation>& equations = system_.ChangeEquations();
   for (std::size_t i = 0; i < rows_.Count(); ++i) {
     const SignalRow& row = rows_.At(i);
-    SignalEquation& equation = system_.Equations()[i];
+    SignalEquation& equation = equations[i];
     const double predicted = system_.Predict(equation, x_.data());
     if (!row.is_heard) {
       // -log Phi(z), z = (floor - predicted) / sigma: slope -h, curvature h (h + z) by z.
@@ -127,19 +152,16 @@ void Tomography::Linearise() {
   }
 }
 
-void Tomography::SolveMean(double now_s, double tolerance) {
-  bool is_linear = options_.loss.kind == LossKind::kNone;
-  for (std::size_t i = 0; is_linear && i < rows_.Count(); ++i) is_linear = rows_.At(i).is_heard;
-  last_iterations_ = 0;
+void Tomography::SolveMean(double now_s, double tolerance, int most) {
+  const bool is_linear = options_.loss.kind == LossKind::kNone && rows_.AllHeard();
   for (int round = 0; round < (is_linear ? 1 : 50); ++round) {
     const std::vector<double> before = x_;
     if (!is_linear) {
-      system_.Set(rows_, sigma_db_, correlation_, now_s);
+      TakeRows(now_s);
       Linearise();
     }
     system_.Prepare();
-    last_iterations_ +=
-        system_.Solve(system_.RightHandSide(), tolerance, options_.max_iterations, &x_);
+    last_iterations_ += system_.Solve(system_.RightHandSide(), tolerance, most, &x_);
     double moved = 0;
     for (std::size_t i = 0; i < x_.size(); ++i)
       moved = std::max(moved, std::abs(x_[i] - before[i]));
@@ -149,10 +171,14 @@ void Tomography::SolveMean(double now_s, double tolerance) {
 
 /// Noise of two kinds: what measurements from one place have in common, and what they have not.
 bool Tomography::EstimateNoise() {
-  const double sigma_before = sigma_db_, correlation_before = correlation_;
+  CountDegreesOfFreedom();
   const auto has_changed = [&] {
-    return std::abs(sigma_db_ - sigma_before) > 0.01 * sigma_before ||
-           std::abs(correlation_ - correlation_before) > 0.02;
+    if (std::abs(sigma_db_ - weight_sigma_db_) <= 0.01 * weight_sigma_db_ &&
+        std::abs(correlation_ - weight_correlation_) <= 0.02)
+      return false;
+    weight_sigma_db_ = sigma_db_;
+    weight_correlation_ = correlation_;
+    return true;
   };
   double rows = 0, inverse = 0, left = 0, within = 0, spare = 0, weighted = 0, heard = 0;
   for (std::size_t i = 0; i < rows_.Count(); ++i) {
@@ -198,69 +224,59 @@ void Tomography::UpdatePosterior(bool all) {
   is_exact_ = size <= static_cast<std::size_t>(options_.exact_up_to);
   if (is_exact_) {
     lanes_.clear();
-    const Eigen::MatrixXd dense = system_.Dense();
-    covariance_ = dense.llt().solve(Eigen::MatrixXd::Identity(dense.rows(), dense.cols()));
-    // The trace of N^-1 A'WA: what is not of priors.
-    degrees_of_freedom_ = static_cast<double>(size);
-    const AttenuationCells& cells = rows_.Cells();
-    for (std::size_t i = 0; i < size; ++i)
-      degrees_of_freedom_ -= system_.PriorWeight(i) * VarianceOf(i);
-    for (std::size_t i = 0; i < cells.Count(); ++i)
-      for (const std::int32_t other : {cells.Right(i), cells.Up(i)}) {
-        if (other < 0) continue;
-        const auto a = static_cast<Eigen::Index>(system_.HeadSize() + i);
-        const auto b = static_cast<Eigen::Index>(system_.HeadSize()) + other;
-        degrees_of_freedom_ -= system_.SmoothWeight() *
-                               (covariance_(a, a) + covariance_(b, b) - 2 * covariance_(a, b));
-      }
+    perturbed_.clear();
+    InvertPosterior();
     return;
   }
-  const double entries = static_cast<double>(rows_.EntryCount() + rows_.Count());
   if (lanes_.size() != count) {
     lanes_.assign(count, std::vector<SignalSystem::Lanes>(size, SignalSystem::Lanes::Zero()));
+    perturbed_.assign(count, {});
     lane_size_.assign(count, 0);
+    all = true;
   }
-  if (count == 0) return;
-  bool is_changed = false;
-  std::size_t fresh = 0;
+  const double entries = static_cast<double>(rows_.EntryCount() + rows_.Count());
+  const double tolerance = kSampleTolerance * std::sqrt(static_cast<double>(size));
   for (std::size_t turn = 0; turn < count; ++turn) {
-    const std::size_t at = all ? turn : next_lane_;
-    if (!all && entries < kGrowth * lane_size_[at]) {
-      break;
-    }
-    const double tolerance = kSampleTolerance * std::sqrt(static_cast<double>(size));
-    system_.Solve(system_.Perturbations(options_.seed * 1000 + at), tolerance, kSampleIterations,
-                  &lanes_[at]);
+    const std::size_t at = next_lane_;
+    if (!all && entries < kSampleGrowth * lane_size_[at]) break;
+    if (perturbed_[at].empty()) system_.Perturb(SeedOf(at), &perturbed_[at]);
+    const int most = all ? kSampleIterations : kSampleIterationsAnUpdate;
+    // What is left to do is left to the next update.
+    fresh_lane_ = at;
+    if (system_.Solve(perturbed_[at], tolerance, most, &lanes_[at]) == most && !all) break;
     lane_size_[at] = entries;
-    is_changed = true;
-    fresh = at;
     next_lane_ = (at + 1) % count;
     if (!all) break;
   }
-  const std::size_t samples = count * kLanes;
-  if (!is_changed && samples_.size() == size * samples) return;
-  samples_.resize(size * samples);
-  for (std::size_t i = 0; i < size; ++i)
-    for (std::size_t at = 0; at < count; ++at)
-      Eigen::Map<SignalSystem::Lanes>(samples_.data() + i * samples + at * kLanes) = lanes_[at][i];
-  if (!is_changed) return;
-  // Of samples that know these rows: older ones would deviate as if the rows were not there.
-  const std::vector<SignalSystem::Lanes>& lanes = lanes_[fresh];
-  double sum = 0;
-  const auto rows_seen = rows_.Count();
-  for (std::size_t r = 0; r < rows_seen; ++r) {
-    const SignalEquation& row = system_.Equations()[r];
-    SignalSystem::Lanes off = lanes[0] - lanes[1] * static_cast<float>(row.log_distance);
-    if (row.receiver >= 0)
-      off += lanes[static_cast<std::size_t>(row.receiver)] +
-             lanes[static_cast<std::size_t>(row.transmitter)];
-    const SignalRow& whole = rows_.At(r);
-    for (std::size_t k = 0; k < whole.size; ++k)
-      off -= lanes[system_.HeadSize() + static_cast<std::size_t>(rows_.CellsOf(whole)[k])] *
-             static_cast<float>(rows_.LengthsOf(whole)[k]);
-    sum += row.weight * static_cast<double>(off.square().mean());
+}
+
+void Tomography::InvertPosterior() {
+  const Eigen::MatrixXd dense = system_.Dense();
+  covariance_ = dense.llt().solve(Eigen::MatrixXd::Identity(dense.rows(), dense.cols()));
+}
+
+/// How many of the measurements' squares the unknowns take up: the trace of N^-1 A'WA.
+void Tomography::CountDegreesOfFreedom() {
+  if (!is_exact_) {
+    if (lanes_.empty()) return;
+    degrees_of_freedom_ =
+        std::clamp(system_.DegreesOfFreedom(SeedOf(fresh_lane_), lanes_[fresh_lane_]), 0.0,
+                   0.9 * static_cast<double>(rows_.Count()));
+    return;
   }
-  degrees_of_freedom_ = std::min(sum, 0.9 * static_cast<double>(rows_seen));
+  if (covariance_.rows() != static_cast<Eigen::Index>(x_.size())) return;
+  degrees_of_freedom_ = static_cast<double>(x_.size());
+  for (std::size_t i = 0; i < x_.size(); ++i)
+    degrees_of_freedom_ -= system_.PriorWeight(i) * VarianceOf(i);
+  const AttenuationCells& cells = rows_.Cells();
+  for (std::size_t i = 0; i < cells.Count(); ++i)
+    for (const std::int32_t other : {cells.Right(i), cells.Up(i)}) {
+      if (other < 0) continue;
+      const auto a = static_cast<Eigen::Index>(system_.HeadSize() + i);
+      const auto b = static_cast<Eigen::Index>(system_.HeadSize()) + other;
+      degrees_of_freedom_ -=
+          system_.SmoothWeight() * (covariance_(a, a) + covariance_(b, b) - 2 * covariance_(a, b));
+    }
 }
 
 double Tomography::VarianceOf(std::size_t unknown) const {
@@ -268,12 +284,9 @@ double Tomography::VarianceOf(std::size_t unknown) const {
     const auto i = static_cast<Eigen::Index>(unknown);
     return covariance_(i, i);
   }
-  const auto samples = static_cast<std::size_t>(options_.samples) / kLanes * kLanes;
-  if (samples == 0) return 0;
-  return static_cast<double>(Eigen::Map<const Eigen::ArrayXf>(samples_.data() + unknown * samples,
-                                                              static_cast<Eigen::Index>(samples))
-                                 .square()
-                                 .mean());
+  double sum = 0;
+  for (const auto& lanes : lanes_) sum += static_cast<double>(lanes[unknown].square().mean());
+  return lanes_.empty() ? 0 : sum / static_cast<double>(lanes_.size());
 }
 
 double Tomography::CellValue(std::uint32_t material, std::int32_t cell) const {
@@ -300,9 +313,6 @@ void Tomography::Predict(Span<const SignalLink> links, Span<SignalPrediction> pr
     throw Error("as many predictions as links are expected", ErrorKind::kUsage);
   RayTracer tracer = rows_.Tracer();
   std::vector<std::pair<std::size_t, double>> terms;
-  const auto samples = static_cast<Eigen::Index>(
-      is_exact_ ? 0 : static_cast<std::size_t>(options_.samples) / kLanes * kLanes);
-  Eigen::ArrayXf sum(samples);
   const double noise = sigma_db_ * sigma_db_;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const SignalLink& link = links[i];
@@ -341,13 +351,14 @@ void Tomography::Predict(Span<const SignalLink> links, Span<SignalPrediction> pr
         for (const auto& [b, by_b] : terms)
           variance +=
               by_a * by_b * covariance_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-    } else if (samples > 0) {
-      sum.setZero();
-      for (const auto& [a, by_a] : terms)
-        sum += static_cast<float>(by_a) *
-               Eigen::Map<const Eigen::ArrayXf>(
-                   samples_.data() + a * static_cast<std::size_t>(samples), samples);
-      variance += static_cast<double>(sum.square().mean());
+    } else if (!lanes_.empty()) {
+      double squares = 0;
+      for (const auto& lanes : lanes_) {
+        SignalSystem::Lanes sum = SignalSystem::Lanes::Zero();
+        for (const auto& [a, by_a] : terms) sum += static_cast<float>(by_a) * lanes[a];
+        squares += static_cast<double>(sum.square().mean());
+      }
+      variance += squares / static_cast<double>(lanes_.size());
     }
     predictions[i] = {dbm, std::sqrt(noise * (1 + variance))};
   }

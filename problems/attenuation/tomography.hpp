@@ -68,12 +68,16 @@ class Tomography : public SignalPredictor {
   std::vector<std::string> NotDetermined() const;
 
  private:
+  std::uint64_t SeedOf(std::size_t lane) const;
+  void TakeRows(double now_s);
   void TakeUnknowns(bool is_anew);
-  void SolveMean(double now_s, double tolerance);
+  void SolveMean(double now_s, double tolerance, int most);
   void Linearise();
   /// True where weights have changed by it.
   bool EstimateNoise();
   void UpdatePosterior(bool all);
+  void InvertPosterior();
+  void CountDegreesOfFreedom();
   double VarianceOf(std::size_t unknown) const;  // noise 1
   double CellValue(std::uint32_t material, std::int32_t cell) const;
 
@@ -90,11 +94,15 @@ class Tomography : public SignalPredictor {
   // Posterior, of noise 1: a matrix, or samples.
   bool is_exact_ = true;
   Eigen::MatrixXd covariance_;
-  std::vector<std::vector<SignalSystem::Lanes>> lanes_;  // sixteen samples each
-  std::vector<double> lane_size_;                        // entries at their last refresh
-  std::size_t next_lane_ = 0;
-  std::vector<float> samples_;  // an unknown's, all samples together
+  std::vector<std::vector<SignalSystem::Lanes>> lanes_;      // sixteen samples each
+  std::vector<std::vector<SignalSystem::Lanes>> perturbed_;  // what they solve, or empty
+  std::vector<double> lane_size_;                            // entries at their last refresh
+  std::size_t next_lane_ = 0, fresh_lane_ = 0;
   double degrees_of_freedom_ = 0;
+
+  // Work that is due only when rows have grown.
+  double size_at_update_ = 0, size_at_noise_ = 0;
+  double weight_sigma_db_, weight_correlation_;  // of the weights that rows have
 };
 
 }  // namespace graticule

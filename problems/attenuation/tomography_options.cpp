@@ -78,8 +78,9 @@ void TomographyOptions::Check() const {
   ExpectNotBelowZero("merge_m", merge_m);
   ExpectNotBelowZero("merge_share", merge_share);
   ExpectNotBelowZero("merge_s", merge_s);
-  ExpectAboveZero("tolerance_db", tolerance_db);
+  ExpectAboveZero("tolerance", tolerance);
   Expect(max_iterations > 0, "max_iterations is not above zero");
+  Expect(update_iterations > 0, "update_iterations is not above zero");
   Expect(samples >= 0 && samples % 16 == 0 && samples <= 1024,
          "samples is " + std::to_string(samples) + "; expected a multiple of 16, up to 1024");
   Expect(exact_up_to >= 2 && exact_up_to <= 5000,

@@ -68,8 +68,12 @@ struct TomographyOptions {
   double merge_s = 10;       ///< nor for longer than this
 
   // --- the solve, and how sure it is
-  double tolerance_db = 1e-2;  ///< of all predicted rows together, where iterating ends
-  int max_iterations = 1000;
+  double tolerance =
+      0.05;  ///< no prediction is off by more than this part of its own standard deviation
+  int max_iterations = 1000;  ///< of a solve where much is new
+  /// Of an Update where little is new, so that its time is bounded: what they leave is left to the
+  /// next.
+  int update_iterations = 10;
   int exact_up_to = 256;  ///< unknowns: up to so many the posterior is a matrix, above samples
   int samples = 64;       ///< of the posterior, a multiple of 16; 0: the noise alone
   std::uint64_t seed = 1;

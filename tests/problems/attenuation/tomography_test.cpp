@@ -111,7 +111,8 @@ TEST(Tomography, LearnsInStepsWhatItLearnsAtOnce) {
   TomographyOptions options;
   options.estimate_sigma = false;
   options.correlation = 0.1;
-  options.tolerance_db = 1e-8;
+  options.tolerance = 1e-8;
+  options.update_iterations = 1000;
   const auto measurements = Measured({}, 1200, 4);
   Tomography whole(options), steps(options);
   whole.SetMap(Room());
@@ -130,7 +131,7 @@ TEST(Tomography, LearnsInStepsWhatItLearnsAtOnce) {
 void ExpectAsSolved(TomographyOptions options, const std::vector<SignalMeasurement>& measurements) {
   options.estimate_sigma = false;
   options.correlation = 0.2;
-  options.tolerance_db = 1e-9;
+  options.tolerance = 1e-9;
   Tomography online(options);
   online.SetMap(Room());
   online.AddMeasurements(measurements);
