@@ -349,14 +349,17 @@ void MissionReplay(benchmark::State& state) {
     whole.AddMeasurements(mission);
     whole.Update(1800);
     whole.Predict(links, {done.data(), done.size()});
-    double off = 0, posterior = 0;
+    double off = 0, posterior = 0, online_posterior = 0;
     const double noise = std::pow(whole.SigmaDb(), 2);
     for (std::size_t i = 0; i < links.size(); ++i) {
       off += std::pow(left[i].dbm - done[i].dbm, 2);
       posterior += std::pow(done[i].sigma_db, 2) - noise;
+      online_posterior += std::pow(left[i].sigma_db, 2) - std::pow(matte.SigmaDb(), 2);
     }
     state.counters["off_db"] = std::sqrt(off / static_cast<double>(links.size()));
     state.counters["posterior_db"] = std::sqrt(posterior / static_cast<double>(links.size()));
+    state.counters["online_posterior_db"] =
+        std::sqrt(online_posterior / static_cast<double>(links.size()));
     state.counters["whole_sigma"] = whole.SigmaDb();
     state.counters["whole_correlation"] = whole.Correlation();
     state.counters["sigma"] = matte.SigmaDb();

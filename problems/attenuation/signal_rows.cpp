@@ -100,13 +100,13 @@ void SignalRows::CheckLink(const SignalLink& link) const {
   if (std::max(link.receiver, link.transmitter) >= kMostRadios)
     throw Error(Where(link) + "a radio's number is above " + std::to_string(kMostRadios));
   for (const Eigen::Vector3d* end : {&link.receiver_m, &link.transmitter_m}) {
-    const std::string place = "(" + Shown(end->x()) + ", " + Shown(end->y()) + ")";
+    const auto place = [end] { return "(" + Shown(end->x()) + ", " + Shown(end->y()) + ")"; };
     if (end->cwiseAbs().maxCoeff() > 1e6)
-      throw Error(Where(link) + place + " is more than 1000 km off; expected metres");
+      throw Error(Where(link) + place() + " is more than 1000 km off; expected metres");
     if (!options_.uses_map || !map_) continue;
     const double outside = map_->DistanceOutside(end->head<2>());
     if (outside > options_.outside_m)
-      throw Error(Where(link) + place + " is " + Shown(outside) +
+      throw Error(Where(link) + place() + " is " + Shown(outside) +
                   " m outside of the map; at most " + Shown(options_.outside_m) +
                   " m are allowed (outside_m)");
   }

@@ -231,24 +231,37 @@ void SignalSystem::Multiply(const std::vector<V>& x, std::vector<V>* y) const {
   const V unit{};
   const std::int32_t* all_cells = rows_->CellsOf(SignalRow{});
   const double* all_lengths = rows_->LengthsOf(SignalRow{});
+  const V* x_cells = x.data() + head_;
+  V* to_cells = to.data() + head_;
+  // L0 and the slope are in every row: kept out of memory.
+  const V l0 = x[0], slope = x[1];
+  V zero;
+  SetZero(&zero);
+  V to_l0 = zero, to_slope = zero;
   for (const SignalEquation& row : equations_) {
     const auto log_distance = Scalar(unit, row.log_distance), weight = Scalar(unit, row.weight);
     const std::int32_t* cell = all_cells + row.first;
     const double* length = all_lengths + row.first;
-    V sum = x[0] - x[1] * log_distance;
+    // Two sums, so that one addition need not wait for the other.
+    V sum = l0 - slope * log_distance, other = zero;
     if (row.receiver >= 0) sum += x[row.receiver] + x[row.transmitter];
-    for (std::size_t k = 0; k < row.size; ++k)
-      sum -= x[head_ + static_cast<std::size_t>(cell[k])] * Scalar(unit, length[k]);
-    sum *= weight;
-    to[0] += sum;
-    to[1] -= sum * log_distance;
+    std::size_t k = 0;
+    for (; k + 2 <= row.size; k += 2) {
+      sum -= x_cells[cell[k]] * Scalar(unit, length[k]);
+      other -= x_cells[cell[k + 1]] * Scalar(unit, length[k + 1]);
+    }
+    if (k < row.size) sum -= x_cells[cell[k]] * Scalar(unit, length[k]);
+    sum = (sum + other) * weight;
+    to_l0 += sum;
+    to_slope -= sum * log_distance;
     if (row.receiver >= 0) {
       to[row.receiver] += sum;
       to[row.transmitter] += sum;
     }
-    for (std::size_t k = 0; k < row.size; ++k)
-      to[head_ + static_cast<std::size_t>(cell[k])] -= sum * Scalar(unit, length[k]);
+    for (k = 0; k < row.size; ++k) to_cells[cell[k]] -= sum * Scalar(unit, length[k]);
   }
+  to[0] = to_l0;
+  to[1] = to_slope;
   const AttenuationCells& cells = rows_->Cells();
   const auto smooth = Scalar(unit, SmoothWeight());
   for (std::size_t i = 0; i < cells.Count(); ++i)

@@ -17,6 +17,7 @@ constexpr double kGrowth = 1.2;         // samples are drawn anew when rows have
 constexpr double kNoiseGrowth = 1.05;   // noise is estimated anew
 constexpr double kSampleGrowth = 1.01;  // sixteen samples are brought up to date
 constexpr int kSampleIterationsAnUpdate = 4;
+constexpr int kUpdatesASample = 4;        // an iteration of sixteen costs four of the mean's
 constexpr double kSampleTolerance = .03;  // of sums of about as many squares as there are unknowns
 constexpr int kSampleIterations = 60;
 constexpr int kRounds = 6;
@@ -236,6 +237,7 @@ void Tomography::UpdatePosterior(bool all) {
   }
   const double entries = static_cast<double>(rows_.EntryCount() + rows_.Count());
   const double tolerance = kSampleTolerance * std::sqrt(static_cast<double>(size));
+  if (!all && ++updates_ % kUpdatesASample != 0) return;
   for (std::size_t turn = 0; turn < count; ++turn) {
     const std::size_t at = next_lane_;
     if (!all && entries < kSampleGrowth * lane_size_[at]) break;

@@ -97,7 +97,7 @@ class Tomography : public SignalPredictor {
   std::vector<std::vector<SignalSystem::Lanes>> lanes_;      // sixteen samples each
   std::vector<std::vector<SignalSystem::Lanes>> perturbed_;  // what they solve, or empty
   std::vector<double> lane_size_;                            // entries at their last refresh
-  std::size_t next_lane_ = 0, fresh_lane_ = 0;
+  std::size_t next_lane_ = 0, fresh_lane_ = 0, updates_ = 0;
   double degrees_of_freedom_ = 0;
 
   // Work that is due only when rows have grown.
