@@ -69,7 +69,7 @@ struct TomographyOptions {
 
   // --- the solve, and how sure it is
   double tolerance =
-      0.05;  ///< no prediction is off by more than this part of its own standard deviation
+      0.05;  ///< the preconditioned residual, against the noise, at which a solve ends
   int max_iterations = 1000;  ///< of a solve where much is new
   /// Of an Update where little is new, so that its time is bounded: what they leave is left to the
   /// next.
