@@ -26,8 +26,8 @@ void AddCoregister(CLI::App* app, Chosen* chosen) {
                   "say")
       ->check(CLI::PositiveNumber);
   sub->add_option("--lidar-sigma", command->sigma_m,
-                  "m, standard deviation of a LIDAR's point on any axis")
-      ->check(CLI::PositiveNumber)
+                  "m, standard deviation of a LIDAR's point on any axis; 0: pixels alone count")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   sub->add_option("--range", command->ranges_m,
                   "m, at which errors are expected; may be repeated; without it, the nearest, the "

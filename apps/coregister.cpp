@@ -228,6 +228,10 @@ int Run(const CoregisterCommand& command, const Console&) {
     if (!path->empty()) ExpectEnding(*path, option, {".svg", ".png"});
   if (command.points.empty() && command.planes.empty())
     throw Error("expected --points, or --detections with --planes", ErrorKind::kUsage);
+  const auto is_finite = [](double number) { return std::isfinite(number); };
+  if (!is_finite(command.sigma_px) || !is_finite(command.sigma_m) ||
+      !std::all_of(command.ranges_m.begin(), command.ranges_m.end(), is_finite))
+    throw Error("--sigma, --lidar-sigma and --range have to be finite", ErrorKind::kUsage);
   const Registry types = LoadTypes(command.reading);
   const CameraIntrinsics intrinsics = ReadCamera(command.camera);
   const Camera camera = About(command.camera, [&] { return Camera(intrinsics); });

@@ -14,8 +14,10 @@ constexpr double kFarthest = 1e6;  // m, px
 
 double Bounded(TextReader* reader, const char* what) {
   const double value = reader->Double(what);
-  if (std::abs(value) > kFarthest)
-    reader->Fail("expected " + std::string(what) + " within 1e6, found " + Quoted(reader->Rest()));
+  if (std::abs(value) > kFarthest) {
+    reader->Seek(reader->WordOffset());
+    reader->Fail("expected " + std::string(what) + " within 1e6, found " + Quoted(reader->Word()));
+  }
   return value;
 }
 
