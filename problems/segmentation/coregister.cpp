@@ -102,6 +102,23 @@ double ScaleOf(std::vector<double> squares, double rows, int freedoms) {
   return std::isfinite(*at) ? std::max(1e-6, few * std::sqrt(*at) / expected) : 1e6;
 }
 
+// Least squares over what is within a gate (squared distances up to `points` and `boards` where the
+// standard deviation is one) leave this share of the variance of right data: E[x | x <= gate] /
+// E[x] of chi-square's x, which is F_(k+2)(gate) / F_k(gate).  It corrects the variance of the
+// estimate, too, whose gate moves with it.
+double KeptVariance(double points, double boards, const CoregisterData& data,
+                    const CoregisterUse& use) {
+  double kept = 0, rows = 0;
+  for (std::size_t i = 0; i < use.size(); ++i) {
+    if (!use[i]) continue;
+    const bool is_point = i < data.points.size();
+    const double k = is_point ? 2 : 3, gate = is_point ? points : boards;
+    kept += k * ChiSquareShare(gate, k + 2) / ChiSquareShare(gate, k);
+    rows += k;
+  }
+  return rows > 0 ? kept / rows : 1;
+}
+
 struct Fit {
   CoregisterState state;
   Report report;
@@ -242,8 +259,13 @@ Coregistration RefineCoregistration(const Registry& types, const CoregisterData&
 
   const double gate_points = ChiSquareQuantile(1 - options.outlier_share, 2);
   const double gate_boards = ChiSquareQuantile(1 - options.outlier_share, 3);
-  // By the robust scale: one of least squares grows with what it lets in.
-  const double gate_scale = scale;
+  // By the robust scale, for one of least squares over all grows with what is wrong; but not by
+  // less than least squares over what it lets in: that of few data is small by chance.
+  double gate_scale = scale;
+  const auto kept_variance = [&](double now) {
+    const double widened = std::max(1.0, std::pow(gate_scale / now, 2));
+    return KeptVariance(widened * gate_points, widened * gate_boards, data, result.use);
+  };
   CoregisterUse before;
   for (int round = 0; round < 20; ++round) {
     const std::vector<double> squares = SquaredDistances(data, state, options);
@@ -268,8 +290,11 @@ Coregistration RefineCoregistration(const Registry& types, const CoregisterData&
       for (std::size_t i = 0; i < count; ++i)
         if (use[i]) sum += now[i];
       scale = std::max(1e-6, std::sqrt(sum / left));
+      scale /= std::sqrt(kept_variance(scale));
+      gate_scale = std::max(gate_scale, scale);
     }
   }
+  if (options.sigmas_are_known) scale /= std::sqrt(kept_variance(scale));
 
   result.state = state;
   result.scale = scale;

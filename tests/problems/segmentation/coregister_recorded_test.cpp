@@ -91,49 +91,97 @@ class Kitti : public ::testing::Test {
   CoregisterOptions options_;
 };
 
-TEST_F(Kitti, WithWrongCorrespondencesIsWithinTheCauchyColumn) {
+/// Medians of the errors of many trials, and how often the truth is inside the 95 % region.
+struct Trials {
+  double degrees = 0, centimetres = 0;
+  double inside = 0;         ///< share
+  double wrong_counted = 0;  ///< share of wrong correspondences that are not named
+  double right_named = 0;    ///< share of right ones that are
+};
+
+Trials RunTrials(const KittiFrame& frame, const CoregisterOptions& options, std::size_t count,
+                 const Wrong& wrong, int trials, std::uint64_t seed) {
+  const Registry types = Builtins();
+  std::vector<double> degrees, centimetres;
+  double inside = 0, wrongs = 0, wrong_counted = 0, rights = 0, right_named = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const Simulated simulated =
+        Simulate(frame, count, wrong, seed + static_cast<std::uint64_t>(trial));
+    const Coregistration solved = Coregister(types, {simulated.points, {}}, frame.camera, options);
+    const auto error = ErrorOf(solved.state.camera_from_lidar, frame.camera_from_lidar);
+    inside += error.dot(solved.covariance.inverse() * error) <= solved.region_95;
+    degrees.push_back(error.tail<3>().norm() * 180 / M_PI);
+    centimetres.push_back(100 * error.head<3>().norm());
+    for (std::size_t i = 0; i < count; ++i) {
+      (simulated.is_wrong[i] ? wrongs : rights) += 1;
+      if (simulated.is_wrong[i] && solved.use[i]) ++wrong_counted;
+      if (!simulated.is_wrong[i] && !solved.use[i]) ++right_named;
+    }
+  }
+  std::sort(degrees.begin(), degrees.end());
+  std::sort(centimetres.begin(), centimetres.end());
+  const std::size_t middle = degrees.size() / 2;
+  return {degrees[middle], centimetres[middle], inside / trials,
+          wrongs > 0 ? wrong_counted / wrongs : 0, right_named / rights};
+}
+
+void ExpectWithinTheCauchyColumn(const KittiFrame& frame, const CoregisterOptions& options,
+                                 int trials) {
   const struct {
     std::size_t count;
     double degrees, centimetres;
   } cases[] = {{8, .40, 6.8}, {16, .20, 3.5}, {32, .20, 3.0}, {64, .12, 2.1}};
   for (const auto& known : cases) {
-    std::vector<double> degrees, centimetres;
-    for (std::uint64_t trial = 0; trial < 200; ++trial) {
-      const Simulated simulated = Simulate(frame_, known.count, 0.15, 1000 + trial);
-      const Coregistration solved =
-          Coregister(types_, {simulated.points, {}}, frame_.camera, options_);
-      const auto error = ErrorOf(solved.state.camera_from_lidar, frame_.camera_from_lidar);
-      degrees.push_back(error.tail<3>().norm() * 180 / M_PI);
-      centimetres.push_back(100 * (IsometryOf(solved.state.camera_from_lidar).translation() -
-                                   frame_.camera_from_lidar.translation())
-                                      .norm());
-    }
-    std::sort(degrees.begin(), degrees.end());
-    std::sort(centimetres.begin(), centimetres.end());
-    std::printf("n %zu: %.3f degrees, %.2f cm\n", known.count, degrees[100], centimetres[100]);
-    EXPECT_LE(degrees[100], known.degrees) << known.count;
-    EXPECT_LE(centimetres[100], known.centimetres) << known.count;
+    const Trials found = RunTrials(frame, options, known.count, {0.15}, trials, 1000);
+    std::printf("n %zu: %.3f degrees, %.2f cm\n", known.count, found.degrees, found.centimetres);
+    EXPECT_LE(found.degrees, known.degrees) << known.count;
+    EXPECT_LE(found.centimetres, known.centimetres) << known.count;
   }
 }
 
-// 95 % of 500: a standard deviation is 1 %.
-TEST_F(Kitti, TheTruthIsInsideThe95PercentRegion) {
+// Of 500 trials, 95 % have a standard deviation of 1 %.
+void ExpectTheTruthInside(const KittiFrame& frame, CoregisterOptions options, int trials,
+                          double least, double most) {
   for (const bool is_known : {false, true})
     for (const double wrong : {0.0, 0.15}) {
-      options_.sigmas_are_known = is_known;
-      int inside = 0;
-      for (std::uint64_t trial = 0; trial < 500; ++trial) {
-        const Simulated simulated = Simulate(frame_, 32, wrong, 5000 + trial);
-        const Coregistration solved =
-            Coregister(types_, {simulated.points, {}}, frame_.camera, options_);
-        const auto error = ErrorOf(solved.state.camera_from_lidar, frame_.camera_from_lidar);
-        inside += error.dot(solved.covariance.inverse() * error) <= solved.region_95;
-      }
+      options.sigmas_are_known = is_known;
+      const Trials found = RunTrials(frame, options, 32, {wrong}, trials, 5000);
       std::printf("noise %s, %.0f %% wrong: %.1f %% inside\n", is_known ? "given" : "estimated",
-                  100 * wrong, inside / 5.0);
-      EXPECT_GE(inside, 465);
-      EXPECT_LE(inside, 485);
+                  100 * wrong, 100 * found.inside);
+      EXPECT_GE(found.inside, least);
+      EXPECT_LE(found.inside, most);
     }
+}
+
+TEST_F(Kitti, WithWrongCorrespondencesIsWithinTheCauchyColumn) {
+  ExpectWithinTheCauchyColumn(frame_, options_, 41);
+}
+
+// Three standard deviations of 100 trials; DISABLED_MeasuredIn500Trials has the claim.
+TEST_F(Kitti, TheTruthIsInsideThe95PercentRegion) {
+  ExpectTheTruthInside(frame_, options_, 100, 0.885, 1);
+}
+
+// Minutes: run with --gtest_also_run_disabled_tests.
+TEST_F(Kitti, DISABLED_MeasuredIn500Trials) {
+  ExpectWithinTheCauchyColumn(frame_, options_, 500);
+  ExpectTheTruthInside(frame_, options_, 500, 0.93, 0.97);
+}
+
+// What outlier_share was chosen by: correspondences that are anywhere, and beside the right place.
+TEST_F(Kitti, DISABLED_ShareOfRightOnesThatMayBeNamed) {
+  for (const Wrong& wrong : {Wrong{0.15, 3, 30}, Wrong{0.15}, Wrong{0}})
+    for (const std::size_t count : {16, 32})
+      for (const double share : {1e-3, 1e-2, 2.5e-2}) {
+        options_.outlier_share = share;
+        const Trials found = RunTrials(frame_, options_, count, wrong, 100, 9000);
+        std::printf(
+            "%2.0f %% wrong %s, n %zu, share %.3f: %.3f degrees, %.2f cm, %.1f %% inside, %.1f %% "
+            "of wrong ones counted, %.1f %% of right ones named\n",
+            100 * wrong.share, wrong.most_px > 0 ? "beside" : "anywhere", count, share,
+            found.degrees, found.centimetres, 100 * found.inside, 100 * found.wrong_counted,
+            100 * found.right_named);
+      }
 }
 
 }  // namespace

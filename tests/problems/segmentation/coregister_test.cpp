@@ -55,7 +55,7 @@ TEST(FQuantile, IsThatOfTables) {
 TEST(Coregister, FindsTheCameraWithoutAStart) {
   for (const char* model : {"brown5", "angular4"}) {
     const KittiFrame frame = Scene(model);
-    const Simulated exact = Simulate(frame, 12, 0, 5, 1e-9, 1e-12);
+    const Simulated exact = Simulate(frame, 12, {0}, 5, 1e-9, 1e-12);
     const Coregistration solved = Coregister(Builtins(), {exact.points, {}}, frame.camera);
     EXPECT_LT(ErrorOf(solved.state.camera_from_lidar, frame.camera_from_lidar).norm(), 1e-9);
     EXPECT_TRUE(solved.outliers.empty());
@@ -65,7 +65,7 @@ TEST(Coregister, FindsTheCameraWithoutAStart) {
 TEST(Coregister, NamesWrongCorrespondences) {
   const KittiFrame frame = Scene();
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const Simulated simulated = Simulate(frame, 24, 0.25, seed);
+    const Simulated simulated = Simulate(frame, 24, {0.25}, seed);
     const Coregistration solved = Coregister(Builtins(), {simulated.points, {}}, frame.camera);
     for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(solved.use[i], 0) << seed << " " << i;
     EXPECT_LE(solved.outliers.size(), 8u) << seed;
@@ -76,7 +76,7 @@ TEST(Coregister, NamesWrongCorrespondences) {
 
 TEST(Coregister, GivesTheSameDigitsTwice) {
   const KittiFrame frame = Scene();
-  const Simulated simulated = Simulate(frame, 40, 0.15, 2);
+  const Simulated simulated = Simulate(frame, 40, {0.15}, 2);
   const Coregistration a = Coregister(Builtins(), {simulated.points, {}}, frame.camera);
   const Coregistration b = Coregister(Builtins(), {simulated.points, {}}, frame.camera);
   EXPECT_EQ(a.state.camera_from_lidar, b.state.camera_from_lidar);
@@ -85,7 +85,7 @@ TEST(Coregister, GivesTheSameDigitsTwice) {
 
 TEST(Coregister, RefusesWhatHasNoSingleAnswer) {
   const KittiFrame frame = Scene();
-  const Simulated good = Simulate(frame, 12, 0, 1);
+  const Simulated good = Simulate(frame, 12, {0}, 1);
   CoregisterData data{{good.points.begin(), good.points.begin() + 3}, {}};
   EXPECT_EQ(RefusalOf(data, frame.camera),
             "expected at least 4 correspondences (6 to see which is wrong) or 3 boards, found 3 "
@@ -149,7 +149,7 @@ TEST(Coregister, AlsoFromThePlanesOfBoards) {
   const Coregistration solved = Coregister(Builtins(), data, frame.camera);
   EXPECT_LT(ErrorOf(solved.state.camera_from_lidar, frame.camera_from_lidar).norm(), 1e-8);
   // Together with points, and with one board moved.
-  data.points = Simulate(frame, 10, 0, 4).points;
+  data.points = Simulate(frame, 10, {0}, 4).points;
   data.boards[2].offset_m += 0.5;
   CoregisterOptions options;
   options.sigmas_are_known = true;
@@ -163,7 +163,7 @@ TEST(Coregister, AlsoFromThePlanesOfBoards) {
 
 TEST(ExpectedErrors, ShrinkMostWhereTheyAreSaidTo) {
   const KittiFrame frame = Scene();
-  const Simulated simulated = Simulate(frame, 8, 0, 11);
+  const Simulated simulated = Simulate(frame, 8, {0}, 11);
   CoregisterOptions options;
   options.sigma_px = 1.5;
   options.sigmas_are_known = true;
@@ -195,7 +195,7 @@ TEST(ExpectedErrors, AreTheMeanOfErrors) {
   options.sigmas_are_known = true;
   const Eigen::Vector3d ray = *camera.Unproject({0, 0});
   const Eigen::Vector3d in_lidar = frame.camera_from_lidar.inverse() * (5 * ray);
-  const Simulated places = Simulate(frame, 20, 0, 1, 1e-9, 1e-12);
+  const Simulated places = Simulate(frame, 20, {0}, 1, 1e-9, 1e-12);
   double mean = 0, expected = 0;
   const int trials = 300;
   RandomNumbers random(2);
@@ -265,7 +265,7 @@ struct CompassSearch {
 
 TEST(Coregister, CompassSearchFindsNoLowerCostInManyMoreEvaluations) {
   const KittiFrame frame = Scene();
-  CoregisterData data{Simulate(frame, 16, 0, 9).points, {}};
+  CoregisterData data{Simulate(frame, 16, {0}, 9).points, {}};
   CoregisterOptions plain;  // the thesis' cost: pixels, all alike, all points
   plain.sigma_m = 0;
   plain.outlier_share = 1e-300;

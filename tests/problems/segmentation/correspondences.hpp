@@ -100,21 +100,31 @@ struct Simulated {
   std::vector<std::uint8_t> is_wrong;
 };
 
-/// Correspondences of a frame: a share of them with pixels that have nothing to do with the point.
-inline Simulated Simulate(const KittiFrame& frame, std::size_t count, double wrong_share,
+/// A share of correspondences whose pixel has nothing to do with the point, or is some pixels off.
+struct Wrong {
+  double share = 0;
+  double least_px = 0, most_px = 0;  ///< how far off; 0: anywhere in the image
+};
+
+/// Correspondences of a frame.
+inline Simulated Simulate(const KittiFrame& frame, std::size_t count, const Wrong& wrong_ones,
                           std::uint64_t seed, double sigma_px = 1.5, double sigma_m = 0.02) {
   RandomNumbers random(seed);
   Simulated simulated;
   const Camera camera(frame.camera);
   const auto wrong =
-      static_cast<std::size_t>(std::lround(wrong_share * static_cast<double>(count)));
+      static_cast<std::size_t>(std::lround(wrong_ones.share * static_cast<double>(count)));
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d& point = frame.visible[random.Below(frame.visible.size())];
     Eigen::Vector2d pixel = *camera.Project(frame.camera_from_lidar * point);
     for (int k = 0; k < 2; ++k) pixel[k] += sigma_px * random.Normal();
     const Eigen::Vector3d noise(random.Normal(), random.Normal(), random.Normal());
     const Eigen::Vector3d measured = point + sigma_m * noise;
-    if (i < wrong)
+    if (i < wrong && wrong_ones.most_px > 0) {
+      const double angle = random.Uniform(0, 2 * M_PI);
+      pixel += random.Uniform(wrong_ones.least_px, wrong_ones.most_px) *
+               Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    } else if (i < wrong)
       pixel = {random.Uniform(0, camera.Width() - 1), random.Uniform(0, camera.Height() - 1)};
     simulated.points.push_back({{measured.x(), measured.y(), measured.z()},
                                 {pixel.x(), pixel.y()},
