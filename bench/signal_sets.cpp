@@ -1,10 +1,12 @@
 #include "signal_sets.hpp"
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <sstream>
 
 #include "graticule/io/file.hpp"
 #include "graticule/solver/error.hpp"
@@ -53,38 +55,87 @@ std::string ArrayBytes(const std::string& zip, const std::string& name) {
   throw Error("no array " + name);
 }
 
-/// cls (a byte a cell, the lowest row first: 0 free, 1 structure, 2 unknown), x0 and y0 [m, whole],
+/// cls (a byte a cell, the lowest row first: 0 free, 1 structure, 2 unknown), the corner [m] and
 /// res [m].
 std::shared_ptr<const OccupancyGrid> ReadClasses(const std::string& path, std::size_t height,
-                                                 std::size_t width) {
+                                                 std::size_t width, double x_m, double y_m) {
   constexpr Occupancy kClasses[] = {Occupancy::kFree, Occupancy::kStructure, Occupancy::kUnknown};
   const std::string zip = ReadFile(path);
   const std::string classes = ArrayBytes(zip, "cls");
   if (classes.size() != height * width) throw Error(path + ": not the size that was expected");
   auto grid = std::make_shared<OccupancyGrid>();
   grid->resolution = ReadAt<double>(ArrayBytes(zip, "res"), 0);
-  grid->map_from_grid = {static_cast<double>(ReadAt<std::int64_t>(ArrayBytes(zip, "x0"), 0)),
-                         static_cast<double>(ReadAt<std::int64_t>(ArrayBytes(zip, "y0"), 0)), 0};
+  grid->map_from_grid = {x_m, y_m, 0};
   grid->width = width;
   grid->height = height;
   for (const char c : classes) grid->cells.push_back(kClasses[std::min<unsigned char>(c, 2)]);
   return grid;
 }
 
+SignalSet LoadFlat(const std::string& signal_folder, const std::string& log) {
+  const std::string folder = signal_folder + "/kolak_ble_flat/";
+  SignalLogOptions options;
+  options.anchors = ParseAnchors(ReadFile(folder + "anchors.csv"), folder + "anchors.csv");
+  SignalSet set;
+  set.log = ReadSignalLog(folder + log, options);
+  set.map = ReadClasses(folder + "occupancy_layout_frame_5cm.npz", kKolakHeight, kKolakWidth, -1,
+                        -1);  // its x0 and y0
+  return set;
+}
+
 }  // namespace
 
 SignalSet LoadKolak(const std::string& signal_folder) {
-  const std::string folder = signal_folder + "/kolak_ble_flat";
-  SignalLogOptions options;
-  options.anchors = ParseAnchors(ReadFile(folder + "/anchors.csv"), folder + "/anchors.csv");
-  SignalSet set;
-  set.log = ReadSignalLog(folder + "/calibration/calibration_df.csv", options);
-  set.map = ReadClasses(folder + "/occupancy_layout_frame_5cm.npz", kKolakHeight, kKolakWidth);
-  return set;
+  return LoadFlat(signal_folder, "calibration/calibration_df.csv");
+}
+
+SignalSet LoadKolakTest(const std::string& signal_folder) {
+  return LoadFlat(signal_folder, "tests/test_robot_df.csv");
 }
 
 SignalSet LoadGrenoble(const std::string& signal_folder) {
   return {ReadSignalLog(signal_folder + "/iotlab_mercator/grenoble_links.csv"), nullptr};
+}
+
+SignalSet LoadIkv(const std::string& signal_folder, int experiment) {
+  const std::string folder = signal_folder + "/ikv_map/", number = std::to_string(experiment);
+  const std::string map = folder + "exp" + number + "_registered.npz";
+  const std::string zip = ReadFile(map), places = ArrayBytes(zip, "xy"),
+                    routers = ArrayBytes(zip, "routers");
+  std::istringstream lines(ReadFile(folder + "Exp" + number + "_2router.csv"));
+  std::string line, text = "time,x,y,rssi_1a,rssi_1b,rssi_2a,rssi_2b\n";
+  std::getline(lines, line);
+  for (std::size_t i = 0; std::getline(lines, line); ++i) {
+    std::istringstream cells(line);
+    std::string cell;
+    text += fmt::format("{},{},{}", 0.5 * static_cast<double>(i), ReadAt<double>(places, 16 * i),
+                        ReadAt<double>(places, 16 * i + 8));
+    for (int column = 0; column < 6 && std::getline(cells, cell, ','); ++column)
+      if (column >= 2) text += ',' + cell;
+    text += '\n';
+  }
+  SignalLogOptions options;
+  for (const std::size_t router : {0, 1})
+    for (const char* band : {"a", "b"})
+      options.anchors[std::to_string(router + 1) + band] = {
+          ReadAt<double>(routers, 16 * router), ReadAt<double>(routers, 16 * router + 8), 0};
+  SignalSet set;
+  set.log = ParseSignalLog(text, "Exp" + number + "_2router.csv", options);
+  set.map = experiment == 3 ? ReadClasses(map, 770, 953, 0, 0) : ReadClasses(map, 453, 393, 0, 0);
+  return set;
+}
+
+SignalSet LoadHarvard(const std::string& signal_folder, const std::string& room) {
+  const std::string name = signal_folder + "/harvard_wsr/rss_20hz.csv.gz";
+  std::istringstream lines(ReadFile(name));
+  std::string line, text;
+  std::getline(lines, line);
+  text = line + '\n';
+  while (std::getline(lines, line))
+    if (line.compare(0, room.size() + 1, room + ',') == 0) text += line + '\n';
+  SignalLogOptions options;
+  options.sort = true;
+  return {ParseSignalLog(text, name, options), nullptr};
 }
 
 }  // namespace graticule

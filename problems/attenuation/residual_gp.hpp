@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -7,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "graticule/problems/attenuation/link_index.hpp"
 #include "graticule/problems/attenuation/pair_kernel.hpp"
 #include "graticule/problems/attenuation/predictor.hpp"
 
@@ -14,22 +16,27 @@ namespace graticule {
 
 /// What the mean leaves over, as a sum of independent parts, each with a standard deviation:
 /// something about a pair of places, something about a link for a while, something about a link
-/// for good, and noise.
+/// for good, something about each of its radios, and noise.
 struct ResidualGpOptions {
   std::string name = "residual-gp";
   PlaceKernel place{1.5, 1, 0, 3};
   double place_db = 3;
   double link_db = 2, link_s = 5;  ///< fades as exp(-time / link_s)
   double offset_db = 1;
+  double radio_db = 0;  ///< of each end; 0 where the mean has biases
   double noise_db = 4.2;
-  /// All but offset_db, by marginal likelihood, as data doubles.  Of residuals of a mean that was
-  /// fitted to the same measurements it learns too little noise (docs/signal_evaluation.md).
+  /// All that are above zero but offset_db, by marginal likelihood, as data doubles.  Of residuals
+  /// of a mean with many unknowns it learns too little noise (docs/signal_evaluation.md).
   bool learn = false;
+  /// Measurements of a link from nearly one place and time count as one point, of less noise: both
+  /// ends within merge_m of the point's first ones, and within merge_s.
+  double merge_m = 0.2, merge_s = 2;
   /// Points a prediction is made of: the link's newest, and the nearest by LinkDistance of all
   /// others.
-  std::size_t newest = 40, nearest = 80;
+  std::size_t newest = 20, nearest = 60;
 
-  /// Throws Error (kUsage): a deviation, length or time that is not above zero.
+  /// Throws Error (kUsage): a deviation, length or time that is not above zero
+  /// (radio_db, merge_m and merge_s: below zero).
   void Check() const;
 };
 
@@ -51,17 +58,37 @@ class ResidualGp : public SignalPredictor {
 
  private:
   using Radios = std::pair<std::uint32_t, std::uint32_t>;
+  /// Of one or more measurements, their means.
+  struct Point {
+    SignalLink link;
+    double dbm = 0, count = 0;
+    SignalLink first;
+  };
+  /// What a covariance needs of some points, one array each, so that loops over it are short.
+  struct Columns;
+  struct Workspace;
 
-  double Covariance(const SignalLink& a, const SignalLink& b) const;
-  std::vector<std::uint32_t> PointsFor(const SignalLink& link) const;
-  std::vector<double> Residuals(const std::vector<std::uint32_t>& points) const;
-  void PredictTogether(Span<const SignalLink> links, Span<SignalPrediction> predictions) const;
+  void Merge(const SignalMeasurement& measurement);
+  void PointsFor(const SignalLink& link, std::vector<std::pair<double, std::uint32_t>>* heap,
+                 std::vector<std::uint32_t>* chosen) const;
+  /// Of points, which are in order; into values that are numbered as points are.
+  void SetResiduals(const std::vector<std::uint32_t>& points, std::vector<double>* values) const;
+  void Covariances(const Columns& points, Eigen::Index from, const SignalLink& link,
+                   Workspace* work, Eigen::Ref<Eigen::VectorXd> values) const;
+  double Variance(const SignalLink& link) const;
+  /// The points' covariance, noise with it, and its Cholesky factor in the lower half of
+  /// work->matrix; false: it has none.
+  bool Factorise(const std::uint32_t* chosen, std::size_t count, Workspace* work) const;
+  void PredictTogether(const std::uint32_t* chosen, std::size_t count,
+                       const std::vector<double>& residuals, Span<const SignalLink> links,
+                       Workspace* work, Span<SignalPrediction> predictions) const;
   void Learn();
 
   std::unique_ptr<SignalPredictor> mean_;
   ResidualGpOptions options_;
-  std::vector<SignalMeasurement> points_;
+  std::vector<Point> points_;
   std::map<Radios, std::vector<std::uint32_t>> of_link_;  // indices into points_, in time's order
+  LinkIndex index_;
   std::size_t learnt_at_ = 0;
 };
 

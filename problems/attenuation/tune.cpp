@@ -111,7 +111,7 @@ CompassResult CompassSearch(const std::function<double(const std::vector<double>
 
   evaluate({start});
   result.best = start;
-  result.value = known.at(start);
+  result.value = result.start_value = known.at(start);
   for (double step = options.first_step; step >= options.last_step;) {
     if (result.evaluations >= options.max_evaluations) return result;
     std::vector<std::vector<double>> points;

@@ -21,7 +21,7 @@ struct CompassOptions {
 
 struct CompassResult {
   std::vector<double> best;
-  double value = 0;
+  double value = 0, start_value = 0;
   std::size_t evaluations = 0;  ///< without those that a state file remembered
   bool has_converged = false;   ///< false: max_evaluations came first
 };
