@@ -8,6 +8,8 @@
 
 namespace graticule {
 
+MethodOptions::MethodOptions() = default;
+
 TomographyOptions MethodOptions::FineMrt() {
   TomographyOptions options = TomographyOptions::Mrt();
   options.name = "fine-mrt";

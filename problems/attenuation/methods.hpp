@@ -13,6 +13,8 @@ namespace graticule {
 
 /// The options of whichever method is made.
 struct MethodOptions {
+  MethodOptions();
+
   double persistence_s = 30;
   TomographyOptions one_a_class = TomographyOptions::OneAttenuationPerClass();
   TomographyOptions mrt = TomographyOptions::Mrt();

@@ -54,6 +54,7 @@ class ResidualGp : public SignalPredictor {
   std::string Name() const override { return options_.name; }
 
   const ResidualGpOptions& Options() const { return options_; }
+  std::size_t PointCount() const { return points_.size(); }
   const SignalPredictor& Mean() const { return *mean_; }
 
  private:

@@ -8,6 +8,7 @@
 
 #include "graticule/problems/attenuation/methods.hpp"
 #include "graticule/problems/attenuation/tune.hpp"
+#include "graticule/problems/attenuation/tune_method.hpp"
 #include "graticule/problems/random.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -150,6 +151,42 @@ TEST(CompassSearch, StaysWithinItsBounds) {
   options.upper = {1, 1};
   const CompassResult result = CompassSearch(Valley, {0, 0}, options);
   EXPECT_EQ(result.best, (std::vector<double>{1, -1}));
+}
+
+TEST(TuneMethod, FindsHowLongResidualsLast) {
+  // Each link has an offset for good: what it said last stays true.
+  SignalLog log = TwoDrives();
+  for (SignalMeasurement& m : log.measurements)
+    m.dbm += 10 * (static_cast<double>(m.link.transmitter) - 2);
+  MethodOptions start;
+  start.persistence_s = 1;
+  TuneOptions options;
+  options.by = TuneBy::kMse;
+  TuneResult result = TuneMethod("persistence", {{log, nullptr}}, start, options);
+  EXPECT_GT(result.options.persistence_s, 30);
+  EXPECT_LT(result.after, 0.5 * result.before);
+  const auto replayed =
+      Replay(log, [&] { return MakePredictor("persistence", result.options); }).all;
+  EXPECT_EQ(result.after, replayed.mse);
+  EXPECT_THROW(TuneMethod("log-fit", {{log, nullptr}}, start, options), Error) << "no parameters";
+  EXPECT_THROW(TuneMethod("persistence", {}, start, options), Error);
+  options.only = {"magic"};
+  EXPECT_THROW(TuneMethod("persistence", {{log, nullptr}}, start, options), Error);
+}
+
+TEST(MetaParameters, AreThoseOfTheMethodAndItsMean) {
+  for (const std::string& method : MethodNames())
+    for (const MetaParameter& parameter : MetaParameters(method)) {
+      SCOPED_TRACE(method + " " + parameter.name);
+      MethodOptions options;
+      const double value = *parameter.value(&options);
+      EXPECT_GE(value, parameter.least);
+      EXPECT_LE(value, parameter.most);
+      *parameter.value(&options) = parameter.most;
+      EXPECT_NO_THROW(MakePredictor(method, options));
+    }
+  EXPECT_GT(MetaParameters("matte+gp").size(), MetaParameters("matte").size());
+  EXPECT_THROW(MetaParameters("magic"), Error);
 }
 
 }  // namespace
