@@ -27,7 +27,7 @@ TEST(Correspondences, ComeBackToTheBitAndAreRefusedAtTheirPlace) {
       {"1,2,3,4,5,a\n1,2,3,4,5,a\n", "c.csv:2:11: the name 'a' is there already"},
       {"1,2,3,4,5,a,b\n", "c.csv:1:13: expected the end of the line, found 'b'"},
       {"1,2,3,4,5", "c.csv:1:10: expected the end of the line: the file may be cut short"},
-      {"1,2,3,4e7,5\n", "c.csv:1:7: expected u of the pixel within 1e6, found '5'"},
+      {"1,2,3,4e7,5\n", "c.csv:1:7: expected u of the pixel within 1e6, found '4e7'"},
   };
   for (const auto& broken : cases)
     EXPECT_EQ(MessageOf([&] { ParseCorrespondences(broken.text, "c.csv"); }), broken.message);
