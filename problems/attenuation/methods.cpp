@@ -13,9 +13,12 @@ MethodOptions::MethodOptions() = default;
 TomographyOptions MethodOptions::FineMrt() {
   TomographyOptions options = TomographyOptions::Mrt();
   options.name = "fine-mrt";
-  options.cell_m = 1.5;
-  options.lambda = 2.5;
-  options.classes[0].phi = 0.5;
+  // Tuned on the drive tests/test_robot_df of the set kolak_ble_flat (docs/signal_evaluation.md).
+  options.cell_m = 0.5;
+  options.lambda = 1.77;
+  options.bias_sigma_db = 1.8;
+  options.classes[0].rho_db_per_m = 2.25;
+  options.classes[0].phi = 0.84;
   return options;
 }
 
