@@ -1,0 +1,124 @@
+// A model that was written down predicts as the one that learnt it, and plans are made of it.
+
+#include "graticule/problems/attenuation/fitted.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "graticule/problems/attenuation/plan.hpp"
+#include "graticule/problems/attenuation/settings.hpp"
+#include "graticule/problems/attenuation/simulate.hpp"
+#include "graticule/problems/attenuation/tomography.hpp"
+#include "graticule/solver/error.hpp"
+#include "graticule/solver/solve.hpp"
+
+namespace graticule {
+namespace {
+
+const SimulatedSignal& House() {
+  static const SimulatedSignal simulated = [] {
+    SignalMissionOptions options;
+    options.place = PlaceByName("house");
+    options.place.duration_s = 90;
+    options.rate_hz = 2;
+    options.radio.floor_dbm = -60;  // some are not heard
+    return SimulateSignal(options);
+  }();
+  return simulated;
+}
+
+std::unique_ptr<FittedTomography> Fit(const TomographyOptions& options) {
+  FittedGraph built = BuildFitted(House().log, House().map, options);
+  built.graph.SetValues(Solve(built.graph).values);
+  auto fitted = std::make_unique<FittedTomography>(built.graph, built.model);
+  fitted->SetMap(House().map);
+  return fitted;
+}
+
+TEST(FittedTomography, PredictsAsTomographyDoes) {
+  TomographyOptions options = TomographyOptions::Matte();
+  options.exact_up_to = 100000;
+  Tomography online(options);
+  online.SetMap(House().map);
+  online.AddMeasurements(House().log.measurements);
+  online.Update(House().log.measurements.back().link.time_s);
+  const auto fitted = Fit(options);
+  std::vector<SignalLink> links;
+  for (std::size_t i = 0; i < House().log.measurements.size(); i += 37)
+    links.push_back(House().log.measurements[i].link);
+  std::vector<SignalPrediction> one(links.size()), two(links.size());
+  online.Predict(links, {one.data(), one.size()});
+  fitted->Predict(links, {two.data(), two.size()});
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    // Their noise was estimated to a last digit that conjugate gradients leave open.
+    EXPECT_NEAR(one[i].dbm, two[i].dbm, 0.1);
+    EXPECT_NEAR(one[i].sigma_db, two[i].sigma_db, 0.1);
+  }
+}
+
+TEST(FittedTomography, IsSurerWhereItHasMeasured) {
+  const auto fitted = Fit(TomographyOptions::Matte());
+  SignalLink link = House().log.measurements.back().link;
+  SignalPrediction before, after;
+  fitted->Predict({&link, 1}, {&before, 1});
+  const SignalMeasurement measured{link, before.dbm, true};
+  fitted->AddMeasurements({&measured, 1});
+  fitted->Update(0);
+  fitted->Predict({&link, 1}, {&after, 1});
+  EXPECT_LT(after.sigma_db, before.sigma_db);
+  EXPECT_GT(after.sigma_db, fitted->SigmaDb());
+  EXPECT_NEAR(after.dbm, before.dbm, 1e-6);
+}
+
+/// Strengths by distance alone, to a known deviation.
+class Known : public SignalPredictor {
+ public:
+  void SetMap(std::shared_ptr<const OccupancyGrid>) override {}
+  void AddMeasurements(Span<const SignalMeasurement>) override {}
+  void Update(double) override {}
+  void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const override {
+    for (std::size_t i = 0; i < links.size(); ++i)
+      predictions[i] = {-60 - (links[i].receiver_m - links[i].transmitter_m).norm(), 4};
+  }
+  std::string Name() const override { return "known"; }
+};
+
+TEST(Connect, CountsWaysToReachAll) {
+  // A chain: a - b - c, whose ends are out of reach of each other.
+  const std::vector<Eigen::Vector3d> at = {{0, 0, 0}, {20, 0, 0}, {40, 0, 0}};
+  const TeamConnectivity team = Connect(Known(), {0, 1, 2}, at, -80);
+  ASSERT_EQ(team.links.size(), 3u);
+  const double p = team.links[0].probability, q = team.links[1].probability;
+  EXPECT_NEAR(p, 0.5, 1e-9);
+  EXPECT_NEAR(q, 2.87e-7, 1e-8);  // five deviations
+  EXPECT_NEAR(team.connected, p * p + 2 * p * q * (1 - p), 1e-9);
+  EXPECT_EQ(team.backbone, (std::vector<std::size_t>{0, 2}));
+}
+
+TEST(WhereToMeasure, GoesWhereLeastIsKnownAndNotTwice) {
+  const auto fitted = Fit(TomographyOptions::Matte());
+  const std::vector<Eigen::Vector3d> candidates = {{2, 2, 0}, {2.1, 2, 0}, {14, 10, 0}};
+  const std::vector<WorthwhilePlace> places =
+      WhereToMeasure(fitted.get(), fitted->SigmaDb(), 0, {1}, {{8, 3, 0}}, candidates, 3);
+  ASSERT_EQ(places.size(), 3u);
+  EXPECT_GT(places[0].gain_nats, 0);
+  EXPECT_GE(places[0].gain_nats, places[1].gain_nats);
+}
+
+TEST(SignalSettings, AreFoundByNameAndKeepWhatWasSet) {
+  MethodOptions options;
+  for (const SignalSetting& setting : SignalSettings()) {
+    const double value = 0.5 * (setting.lower + setting.upper);
+    SetSignalOption(&options, setting.name, value);
+    EXPECT_EQ(setting.get(options), value) << setting.name;
+  }
+  EXPECT_EQ(options.matte.classes[1].rho_db_per_m, 10);
+  EXPECT_THROW(SetSignalOption(&options, "matte.lamda", 1), Error);
+  EXPECT_EQ(SettingsOf("matte").size(), 7u);
+  EXPECT_EQ(SettingsOf("log-fit").size(), 0u);
+}
+
+}  // namespace
+}  // namespace graticule
