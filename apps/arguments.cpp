@@ -374,6 +374,7 @@ int RunFromArguments(int argc, char** argv) {
   AddCalibrate(&app, &chosen);
   AddSegment(&app, &chosen);
   AddCoregister(&app, &chosen);
+  AddSignal(&app, &chosen);
   AddConvert(&app, &chosen);
   AddInspect(&app, &chosen);
   AddCheck(&app, &chosen);

@@ -31,6 +31,8 @@ void AddReading(CLI::App* sub, Reading* reading);
 
 /// `graticule calibrate` and what is below it.
 void AddCalibrate(CLI::App* app, Chosen* chosen);
+/// `graticule signal` and what is below it.
+void AddSignal(CLI::App* app, Chosen* chosen);
 /// `calibrate --guide ...` as `calibrate guide ...`.
 std::vector<std::string> GuideAsCommand(std::vector<std::string> words);
 

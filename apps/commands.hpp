@@ -202,6 +202,84 @@ struct SimulateSceneCommand {
   std::uint64_t seed = 1;
 };
 
+/// What signals were measured, and between what.
+struct SignalInput {
+  std::vector<std::string> logs;          ///< files, or folders with log.csv and map.yaml
+  std::vector<std::string> maps;          ///< none, one for all, or one a log
+  std::string anchors;                    ///< "" or positions of fixed radios: CSV
+  std::vector<std::string> trajectories;  ///< "robot1=truth.tum"
+  std::string mobile = "mobile";
+  bool sort = false;
+  double rate_hz = 0;  ///< of each link at most; 0: all
+};
+
+/// Numbers of the methods' options.
+struct SignalChoosing {
+  std::string config;                 ///< "" or YAML, as tune writes
+  std::vector<std::string> settings;  ///< "matte.lambda=2"
+};
+
+struct SignalFitCommand {
+  SignalInput input;
+  SignalChoosing choosing;
+  std::string method = "best", output, record;
+  bool binary = false, json = false;
+};
+
+struct SignalPredictCommand {
+  std::string model, map, pairs, output;
+  std::string from;       ///< "X,Y" or "X,Y,Z"
+  std::string radio, to;  ///< names of the model's radios, or ""
+  std::string map_of;     ///< name of the pictures, without ending
+  double step_m = 0;      ///< of the picture; 0: 120 steps along the longer side
+};
+
+struct SignalDrawCommand {
+  std::string model, map, output;
+};
+
+struct SignalEvaluateCommand {
+  SignalInput input;
+  SignalChoosing choosing;
+  std::vector<std::string> methods;
+  std::string every = "2s";
+  int horizons = 10;
+  int predict_every = 1;
+  bool forget = false, json = false;
+  int threads = 2;
+  std::string plot;
+};
+
+struct SignalTuneCommand {
+  SignalInput input;
+  SignalChoosing choosing;
+  std::vector<std::string> methods = {"mrt", "matte", "mrgp"};
+  std::string every = "2s", output;
+  int horizons = 3, predict_every = 1, threads = 2, most = 200;
+};
+
+struct SignalSimulateCommand {
+  std::string place, output;
+  int robots = 3;
+  double seconds = 0;  ///< 0: as long as the place
+  double rate_hz = 20, floor_dbm = -92;
+  std::uint64_t seed = 1;
+  bool maps = false;
+};
+
+struct SignalConnectCommand {
+  std::string model, map, positions;
+  double usable_dbm = -80;
+  bool json = false;
+};
+
+struct SignalWhereCommand {
+  std::string model, map, positions, robot;
+  double reach_m = 15;
+  int places = 5;
+  bool json = false;
+};
+
 struct OptionsCommand {
   bool markdown = false;
 };
@@ -221,6 +299,14 @@ int Run(const CalibrateGuideCommand& command, const Console& console);
 int Run(const CalibrateTargetCommand& command, const Console& console);
 int Run(const SegmentCommand& command, const Console& console);
 int Run(const CoregisterCommand& command, const Console& console);
+int Run(const SignalFitCommand& command, const Console& console);
+int Run(const SignalPredictCommand& command, const Console& console);
+int Run(const SignalDrawCommand& command, const Console& console);
+int Run(const SignalEvaluateCommand& command, const Console& console);
+int Run(const SignalTuneCommand& command, const Console& console);
+int Run(const SignalSimulateCommand& command, const Console& console);
+int Run(const SignalConnectCommand& command, const Console& console);
+int Run(const SignalWhereCommand& command, const Console& console);
 int Run(const ConvertCommand& command, const Console& console);
 int Run(const InspectCommand& command, const Console& console);
 int Run(const CheckCommand& command, const Console& console);
