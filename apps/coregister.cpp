@@ -238,6 +238,7 @@ int Run(const CoregisterCommand& command, const Console&) {
 
   Answer answer;
   answer.options.sigma_m = command.sigma_m;
+  answer.options.outlier_share = command.outlier_share;
   answer.options.sigmas_are_known = command.sigma_px > 0;
   if (command.sigma_px > 0) answer.options.sigma_px = command.sigma_px;
   CoregisterData data;
