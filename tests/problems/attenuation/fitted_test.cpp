@@ -39,7 +39,7 @@ std::unique_ptr<FittedTomography> Fit(const TomographyOptions& options) {
 
 TEST(FittedTomography, PredictsAsTomographyDoes) {
   TomographyOptions options = TomographyOptions::Matte();
-  options.exact_up_to = 100000;
+  options.exact_up_to = 5000;
   Tomography online(options);
   online.SetMap(House().map);
   online.AddMeasurements(House().log.measurements);

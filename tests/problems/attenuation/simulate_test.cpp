@@ -109,8 +109,10 @@ TEST(SimulateRadio, FadesLessInSightThanBehindWallsAndForgetsItInCentimetres) {
       far += (values[i] - mean) * (values[i + 10] - mean);
     }
     deviation[is_hidden] = std::sqrt(squares / static_cast<double>(values.size()));
-    if (is_hidden) EXPECT_NEAR(near / squares, 0.5, 0.07);  // at 1.5 cm
-    EXPECT_NEAR(far / squares, 0, 0.07);                    // at 15 cm
+    if (is_hidden) {
+      EXPECT_NEAR(near / squares, 0.5, 0.07);  // at 1.5 cm
+    }
+    EXPECT_NEAR(far / squares, 0, 0.07);  // at 15 cm
   }
   EXPECT_NEAR(deviation[1], 2.73, 0.15);  // of Gamma(3) in dB
   EXPECT_LT(deviation[0], deviation[1]);
@@ -179,8 +181,12 @@ TEST(SimulateSignal, MapsGrowAndAgreeWithThePlan) {
     known_before = known;
   }
   for (const TrueAttenuation& cell : TrueAttenuations(simulated.plan, *simulated.map, 4)) {
-    if (cell.what == Occupancy::kFree) EXPECT_LE(cell.db_per_m, 0.1);
-    if (cell.what == Occupancy::kStructure) EXPECT_GT(cell.db_per_m, 1);
+    if (cell.what == Occupancy::kFree) {
+      EXPECT_LE(cell.db_per_m, 0.1);
+    }
+    if (cell.what == Occupancy::kStructure) {
+      EXPECT_GT(cell.db_per_m, 1);
+    }
   }
 }
 
