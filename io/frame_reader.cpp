@@ -12,14 +12,15 @@ namespace graticule {
 
 class FrameReader::Capture {
  public:
-  // OpenCV throws where it cannot open, or says nothing.
+  // OpenCV throws where it cannot open, or says nothing.  The one reader that can is named: asked
+  // for any, it loads a dozen others, which leak.
   template <class Source>
-  Capture(const Source& source, const std::string& name, const std::string& what) {
+  Capture(const Source& source, int reader, const std::string& name, const std::string& what) {
     // What it tries by itself and fails at, it prints.
     const auto level =
         cv::utils::logging::setLogLevel(cv::utils::logging::LogLevel::LOG_LEVEL_SILENT);
     try {
-      capture_.open(source);
+      capture_.open(source, reader);
     } catch (const cv::Exception&) {
     }
     cv::utils::logging::setLogLevel(level);
@@ -38,7 +39,7 @@ FrameReader::FrameReader(FrameReader&&) noexcept = default;
 FrameReader::~FrameReader() = default;
 
 FrameReader FrameReader::OfCamera(int number, int width, int height) {
-  auto capture = std::make_unique<Capture>(number, "camera " + std::to_string(number),
+  auto capture = std::make_unique<Capture>(number, cv::CAP_V4L2, "camera " + std::to_string(number),
                                            "there is no such camera, or another program has it");
   if (width > 0) capture->Get().set(cv::CAP_PROP_FRAME_WIDTH, width);
   if (height > 0) capture->Get().set(cv::CAP_PROP_FRAME_HEIGHT, height);
@@ -48,8 +49,8 @@ FrameReader FrameReader::OfCamera(int number, int width, int height) {
 }
 
 FrameReader FrameReader::OfVideo(const std::string& path) {
-  return FrameReader(
-      std::make_unique<Capture>(path, path, "no video, or none that OpenCV can read"));
+  return FrameReader(std::make_unique<Capture>(path, cv::CAP_FFMPEG, path,
+                                               "no video, or none that OpenCV can read"));
 }
 
 std::optional<GreyImage> FrameReader::Next() {
