@@ -111,7 +111,7 @@ CurveChart ErePairs(const std::vector<LensRuns>& all) {
 
 CurveChart Spreads(const std::vector<ParameterSpread>& spreads) {
   CurveChart chart;
-  chart.title = "Figure 5.5 in kind: focal length and centre found in each trial, lens c";
+  chart.title = "Figure 5.5 in kind: focal length and centre of each trial";
   chart.x_label = "fx [px]";
   chart.y_label = "cx [px]";
   chart.y_scale = AxisScale::kLinear;

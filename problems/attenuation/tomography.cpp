@@ -181,13 +181,12 @@ bool Tomography::EstimateNoise() {
     weight_correlation_ = correlation_;
     return true;
   };
-  double rows = 0, inverse = 0, left = 0, within = 0, spare = 0, weighted = 0, heard = 0;
+  double rows = 0, inverse = 0, left = 0, within = 0, spare = 0, weighted = 0;
   for (std::size_t i = 0; i < rows_.Count(); ++i) {
     const SignalRow& row = rows_.At(i);
     if (!row.is_heard) continue;
     const double off = row.dbm - system_.Predict(system_.Equations()[i], x_.data());
     rows += 1;
-    heard += row.count;
     inverse += 1 / row.count;
     left += off * off;
     weighted += row.count / (1 + (row.count - 1) * correlation_) * off * off;
