@@ -67,11 +67,11 @@ TEST_P(NormalsOfRandomClouds, AreThoseOfTheWindowsSvd) {
       EXPECT_EQ(normal, Eigen::Vector3d::Zero());
       continue;
     }
-    Eigen::MatrixX3d matrix(points.size(), 3);
+    Eigen::MatrixXd matrix(points.size(), 3);
     for (std::size_t k = 0; k < points.size(); ++k)
       matrix.row(static_cast<Eigen::Index>(k)) = points[k].transpose();
     matrix.rowwise() -= matrix.colwise().mean().eval();
-    const Eigen::JacobiSVD<Eigen::MatrixX3d> svd(matrix, Eigen::ComputeThinV);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinV);
     const Eigen::Vector3d values = svd.singularValues();
     // Where a line or a ball of points has no direction of least spread, there is nothing to hold.
     if (values[1] < 0.05 * values[0] || values[2] > 0.8 * values[1]) continue;
