@@ -79,7 +79,7 @@ TEST_P(NormalsOfRandomClouds, AreThoseOfTheWindowsSvd) {
     ASSERT_NEAR(normal.norm(), 1, 1e-5);
     EXPECT_LE(normal.dot(cloud.in_sensor[i].cast<double>()), 1e-6);
     const double tolerance = values[2] > 0.5 * values[1] ? 0.02 : 0.003;
-    EXPECT_LT(normal.cross(svd.matrixV().col(2)).norm(), tolerance) << i;
+    EXPECT_LT(normal.cross(Eigen::Vector3d(svd.matrixV().col(2))).norm(), tolerance) << i;
     EXPECT_NEAR(normals.Roughness()[i], values[2] / std::sqrt(static_cast<double>(points.size())),
                 0.02 * values[1]);
   }
