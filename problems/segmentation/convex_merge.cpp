@@ -125,30 +125,30 @@ void ConvexMerge::ShareOut(const ScanMesh& mesh) {
   }
 }
 
-void ConvexMerge::AddBorder(std::uint32_t a, std::uint32_t b) {
-  if (a > b) std::swap(a, b);
+std::size_t ConvexMerge::SlotOf(std::uint32_t a, std::uint32_t b) const {
   const std::size_t mask = table_.size() - 1;
   std::size_t slot = (std::size_t{a} * 0x9E3779B1u + std::size_t{b} * 0x85EBCA77u) >> 3 & mask;
-  for (; table_[slot] != kNone; slot = (slot + 1) & mask) {
-    Border& border = borders_[table_[slot]];
-    if (border.a == a && border.b == b) {
-      ++border.links;
-      return;
-    }
+  const auto is_other = [&](std::uint32_t place) {
+    return place != kNone && (borders_[place].a != a || borders_[place].b != b);
+  };
+  while (is_other(table_[slot])) slot = (slot + 1) & mask;
+  return slot;
+}
+
+void ConvexMerge::AddBorder(std::uint32_t a, std::uint32_t b) {
+  if (a > b) std::swap(a, b);
+  std::uint32_t& place = table_[SlotOf(a, b)];
+  if (place != kNone) {
+    ++borders_[place].links;
+    return;
   }
-  table_[slot] = static_cast<std::uint32_t>(borders_.size());
+  place = static_cast<std::uint32_t>(borders_.size());
   borders_.push_back({a, b, 1});
   if (2 * borders_.size() < table_.size()) return;
   // Half full: once more, twice as wide.
   table_.assign(2 * table_.size(), kNone);
-  const std::size_t wide = table_.size() - 1;
-  for (std::size_t k = 0; k < borders_.size(); ++k) {
-    std::size_t to =
-        (std::size_t{borders_[k].a} * 0x9E3779B1u + std::size_t{borders_[k].b} * 0x85EBCA77u) >> 3 &
-        wide;
-    while (table_[to] != kNone) to = (to + 1) & wide;
-    table_[to] = static_cast<std::uint32_t>(k);
-  }
+  for (std::size_t k = 0; k < borders_.size(); ++k)
+    table_[SlotOf(borders_[k].a, borders_[k].b)] = static_cast<std::uint32_t>(k);
 }
 
 void ConvexMerge::FindBorders(const ScanMesh& mesh) {
@@ -191,7 +191,7 @@ bool ConvexMerge::IsJoined(const Border& border, const ConvexMergeOptions& optio
 void ConvexMerge::JoinSmall(const ConvexMergeOptions& options) {
   sizes_.assign(patches_.size(), 0);
   for (const std::uint32_t patch : patch_of_)
-    if (patch != kNone) ++sizes_[Find(patch)];
+    if (patch != kNone) ++sizes_[sets_.Root(patch)];
   for (int round = 0; round < kRounds; ++round) {
     best_.assign(patches_.size(), kNone);
     bool is_any = false;
@@ -202,17 +202,17 @@ void ConvexMerge::JoinSmall(const ConvexMergeOptions& options) {
       if (best == kNone || sizes_[large] > sizes_[best]) best = large;
     };
     for (const Border& border : borders_) {
-      const std::uint32_t a = Find(border.a), b = Find(border.b);
+      const std::uint32_t a = sets_.Root(border.a), b = sets_.Root(border.b);
       if (a == b) continue;
       consider(a, b);
       consider(b, a);
     }
     if (!is_any) break;
     for (std::uint32_t small = 0; small < patches_.size(); ++small) {
-      if (best_[small] == kNone || parents_[small] != small) continue;
-      const std::uint32_t to = Find(best_[small]);
+      if (best_[small] == kNone || sets_.Root(small) != small) continue;
+      const std::uint32_t to = sets_.Root(best_[small]);
       if (to == small) continue;
-      parents_[small] = to;
+      sets_.Hang(small, to);
       sizes_[to] += sizes_[small];
     }
   }
@@ -227,7 +227,7 @@ void ConvexMerge::Relabel() {
       labels_[i] = 0;
       continue;
     }
-    std::uint32_t& name = names_[Find(patch_of_[i])];
+    std::uint32_t& name = names_[sets_.Root(patch_of_[i])];
     if (name == 0) name = static_cast<std::uint32_t>(++count_);
     labels_[i] = name;
   }
@@ -240,12 +240,11 @@ void ConvexMerge::Segment(const ScanMesh& mesh, const SurfaceNormals& normals,
   MakePatches(mesh, normals, options);
   ShareOut(mesh);
   FindBorders(mesh);
-  parents_.resize(patches_.size());
-  std::iota(parents_.begin(), parents_.end(), 0u);
+  sets_.Reset(patches_.size());
   for (const Border& border : borders_) {
     if (!IsJoined(border, options)) continue;
-    const std::uint32_t a = Find(border.a), b = Find(border.b);
-    parents_[std::max(a, b)] = std::min(a, b);
+    const std::uint32_t a = sets_.Root(border.a), b = sets_.Root(border.b);
+    sets_.Hang(std::max(a, b), std::min(a, b));
   }
   JoinSmall(options);
   Relabel();

@@ -6,6 +6,7 @@
 
 #include "graticule/problems/segmentation/scan_mesh.hpp"
 #include "graticule/problems/segmentation/surface_normals.hpp"
+#include "graticule/solver/union_find.hpp"
 
 namespace graticule {
 
@@ -57,20 +58,19 @@ class ConvexMerge {
   void ShareOut(const ScanMesh& mesh);
   void FindBorders(const ScanMesh& mesh);
   void AddBorder(std::uint32_t a, std::uint32_t b);
+  /// The table's slot that has the border of a and b, or the free one where it belongs.
+  std::size_t SlotOf(std::uint32_t a, std::uint32_t b) const;
   bool IsJoined(const Border& border, const ConvexMergeOptions& options) const;
   void JoinSmall(const ConvexMergeOptions& options);
   void Relabel();
-  std::uint32_t Find(std::uint32_t i) {
-    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-    return i;
-  }
 
   std::vector<std::uint32_t> patch_of_;  // a point's
   std::vector<std::uint32_t> loose_;     // points without a patch
   std::vector<Patch> patches_;
   std::vector<Border> borders_;
   std::vector<std::uint32_t> table_;  // where in borders_, by hash
-  std::vector<std::uint32_t> parents_, sizes_, best_, labels_, names_;
+  UnionFind sets_;                    // of patches
+  std::vector<std::uint32_t> sizes_, best_, labels_, names_;
   std::size_t count_ = 0;
 };
 

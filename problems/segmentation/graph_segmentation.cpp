@@ -1,7 +1,6 @@
 #include "graticule/problems/segmentation/graph_segmentation.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 
 namespace graticule {
@@ -13,7 +12,7 @@ constexpr float kAngleStepsARad = EdgeWeights::kAngleSteps / 3.14159265358979f;
 
 std::uint32_t GraphSegmentation::Join(std::uint32_t a, std::uint32_t b) {
   if (segments_[a].size < segments_[b].size) std::swap(a, b);
-  parents_[b] = a;
+  sets_.Hang(b, a);
   segments_[a].size += segments_[b].size;
   return a;
 }
@@ -23,8 +22,7 @@ void GraphSegmentation::Segment(const ScanMesh& mesh, const std::vector<WeighedE
   const std::size_t n = mesh.Size();
   const float k_colour = static_cast<float>(options.k_colour * EdgeWeights::kColourSteps);
   const float k_angle = static_cast<float>(options.k_normal) * kAngleStepsARad;
-  parents_.resize(n);
-  std::iota(parents_.begin(), parents_.end(), 0u);
+  sets_.Reset(n);
   segments_.assign(n, {k_colour, k_angle, 1});
   refused_.clear();
   const std::uint32_t seam = static_cast<std::uint32_t>(ScanMesh::kDirections * n);
@@ -36,7 +34,7 @@ void GraphSegmentation::Segment(const ScanMesh& mesh, const std::vector<WeighedE
     } else {
       std::tie(i, j) = mesh.Seam()[edge.code - seam];
     }
-    const std::uint32_t a = Find(i), b = Find(j);
+    const std::uint32_t a = sets_.Root(i), b = sets_.Root(j);
     if (a == b) continue;
     const Segment_ &p = segments_[a], &q = segments_[b];
     const float colour = edge.colour, angle = edge.angle;
@@ -51,8 +49,8 @@ void GraphSegmentation::Segment(const ScanMesh& mesh, const std::vector<WeighedE
   }
   if (options.min_size > 1)
     for (const std::uint64_t ends : refused_) {
-      const std::uint32_t a = Find(static_cast<std::uint32_t>(ends >> 32));
-      const std::uint32_t b = Find(static_cast<std::uint32_t>(ends));
+      const std::uint32_t a = sets_.Root(static_cast<std::uint32_t>(ends >> 32));
+      const std::uint32_t b = sets_.Root(static_cast<std::uint32_t>(ends));
       if (a != b && std::min(segments_[a].size, segments_[b].size) < options.min_size) Join(a, b);
     }
   Relabel(mesh);
@@ -64,7 +62,7 @@ void GraphSegmentation::Relabel(const ScanMesh& mesh) {
   names_.assign(n, 0);
   count_ = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const std::uint32_t root = Find(static_cast<std::uint32_t>(i));
+    const std::uint32_t root = sets_.Root(static_cast<std::uint32_t>(i));
     if (segments_[root].size == 1) {
       labels_[i] = 0;
       continue;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "graticule/problems/segmentation/edge_weights.hpp"
+#include "graticule/solver/union_find.hpp"
 
 namespace graticule {
 
@@ -35,14 +36,11 @@ class GraphSegmentation {
     float colour, angle;  // thresholds, in steps
     std::uint32_t size;
   };
-  std::uint32_t Find(std::uint32_t i) {
-    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-    return i;
-  }
   std::uint32_t Join(std::uint32_t a, std::uint32_t b);
   void Relabel(const ScanMesh& mesh);
 
-  std::vector<std::uint32_t> parents_, labels_, names_;
+  UnionFind sets_;
+  std::vector<std::uint32_t> labels_, names_;
   std::vector<Segment_> segments_;
   std::vector<std::uint64_t> refused_;  // both ends of edges between segments
   std::size_t count_ = 0;
