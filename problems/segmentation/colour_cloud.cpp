@@ -1,11 +1,11 @@
 #include "graticule/problems/segmentation/colour_cloud.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "graticule/problems/calibration/state.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -86,10 +86,7 @@ CloudColours ColoursOf(const PointCloud& cloud, const ColourImage& image, const 
                     std::to_string(image.height) + " px, the camera " +
                     std::to_string(camera.Width()) + " x " + std::to_string(camera.Height()),
                 ErrorKind::kInput);
-  const std::array<double, 7>& pose = camera_from_lidar;
-  const Eigen::Quaterniond rotation(pose[6], pose[3], pose[4], pose[5]);
-  const Eigen::Vector3d translation(pose[0], pose[1], pose[2]);
-  const Eigen::Matrix3d turn = rotation.normalized().toRotationMatrix();
+  const Eigen::Isometry3d camera_from_cloud = IsometryOf(camera_from_lidar);
   CloudColours result;
   result.colours.assign(cloud.Size(), {0, 0, 0});
   result.is_seen.assign(cloud.Size(), 0);
@@ -101,7 +98,7 @@ CloudColours ColoursOf(const PointCloud& cloud, const ColourImage& image, const 
   std::vector<Projected> projected;
   for (std::size_t i = 0; i < cloud.Size(); ++i) {
     if (!cloud.in_sensor[i].allFinite()) continue;
-    const Eigen::Vector3d in_camera = turn * cloud.in_sensor[i].cast<double>() + translation;
+    const Eigen::Vector3d in_camera = camera_from_cloud * cloud.in_sensor[i].cast<double>();
     const auto pixel = camera.Project(in_camera);
     if (!pixel || pixel->x() < -0.5 || pixel->y() < -0.5 || pixel->x() > camera.Width() - 0.5 ||
         pixel->y() > camera.Height() - 0.5)

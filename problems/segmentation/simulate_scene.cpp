@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "graticule/problems/calibration/state.hpp"
 #include "graticule/problems/random.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -214,10 +215,7 @@ SimulatedScene SimulateScene(std::string_view name, const SceneOptions& options)
   Eigen::Isometry3d camera_from_lidar = Eigen::Isometry3d::Identity();
   camera_from_lidar.linear() = camera_turn;
   camera_from_lidar.translation() = -camera_turn * Vector3d(0.02, 0.03, 0.08);
-  const Eigen::Quaterniond rotation(camera_turn);
-  const Vector3d shift = camera_from_lidar.translation();
-  scene.camera_from_lidar = {shift.x(),    shift.y(),    shift.z(),   rotation.x(),
-                             rotation.y(), rotation.z(), rotation.w()};
+  scene.camera_from_lidar = PoseOf(camera_from_lidar);
   Eigen::Isometry3d world_from_lidar = Eigen::Isometry3d::Identity();
   world_from_lidar.translation() = Vector3d(0, 0, 1);
 
