@@ -5,6 +5,17 @@
 namespace graticule::apps {
 namespace {
 
+void AddAccuracy(CLI::App* sub, double* accuracy_px, double* sigma_px) {
+  sub->add_option("--accuracy", *accuracy_px,
+                  "px, that the expected error shall not exceed anywhere in the image")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--sigma", *sigma_px,
+                  "px, standard deviation of a corner on either axis; without it, as the residuals "
+                  "say")
+      ->check(CLI::PositiveNumber);
+}
+
 void AddEvaluate(CLI::App* calibrate, Chosen* chosen) {
   auto command = std::make_shared<CalibrateEvaluateCommand>();
   CLI::App* sub = AddCommand(
@@ -94,14 +105,7 @@ void AddGuide(CLI::App* calibrate, Chosen* chosen) {
                   "the target's shape: flat, warped (bent), or free (every corner its own)")
       ->check(CLI::IsMember({"flat", "warped", "free"}))
       ->capture_default_str();
-  sub->add_option("--accuracy", command->accuracy_px,
-                  "px, that the expected error shall not exceed anywhere in the image")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  sub->add_option("--sigma", command->sigma_px,
-                  "px, standard deviation of a corner on either axis; without it, as the residuals "
-                  "say")
-      ->check(CLI::PositiveNumber);
+  AddAccuracy(sub, &command->accuracy_px, &command->sigma_px);
   sub->add_option("-o,--output", command->outputs,
                   "write the camera: FILE, or FORMAT:FILE as calibrate does; may be repeated")
       ->allow_extra_args(false);
@@ -162,14 +166,7 @@ void AddCalibrate(CLI::App* app, Chosen* chosen) {
                   "the target's shape: flat, warped (bent), free (every corner its own), or auto")
       ->check(CLI::IsMember({"auto", "flat", "warped", "free"}))
       ->capture_default_str();
-  sub->add_option("--accuracy", command->accuracy_px,
-                  "px, that the expected error shall not exceed anywhere in the image")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  sub->add_option("--sigma", command->sigma_px,
-                  "px, standard deviation of a corner on either axis; without it, as the residuals "
-                  "say")
-      ->check(CLI::PositiveNumber);
+  AddAccuracy(sub, &command->accuracy_px, &command->sigma_px);
   sub->add_option("--range", command->range_m,
                   "m, at which the error is expected; without it, at infinity")
       ->check(CLI::PositiveNumber);
