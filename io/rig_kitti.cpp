@@ -2,12 +2,11 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <cmath>
 #include <map>
-#include <sstream>
 #include <vector>
 
 #include "graticule/io/camera_pose.hpp"
+#include "graticule/io/text.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -19,33 +18,19 @@ using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 LidarRig ParseKittiRig(std::string_view text, const std::string& name) {
   std::map<std::string, std::vector<double>> matrices;
-  std::istringstream lines{std::string(text)};
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    const std::size_t colon = line.find(':');
-    if (colon == std::string::npos) continue;
-    const std::string key = line.substr(0, colon);
-    if (key != "P2" && key != "R0_rect" && key != "Tr_velo_to_cam") continue;
-    const std::string place = name + ":" + std::to_string(number) + ": " + key + ": ";
-    std::istringstream numbers(line.substr(colon + 1));
+  TextReader reader(text, name);
+  while (reader.NextLine()) {
+    std::string key(reader.Word());
+    if (key != "P2:" && key != "R0_rect:" && key != "Tr_velo_to_cam:") continue;
+    key.pop_back();
     std::vector<double>& matrix = matrices[key];
     matrix.clear();
-    for (std::string word; numbers >> word;) {
-      std::size_t used = 0;
-      double value = 0;
-      try {
-        value = std::stod(word, &used);
-      } catch (const std::exception&) {
-        used = 0;
-      }
-      if (used != word.size() || !std::isfinite(value))
-        throw Error(place + "not a number: '" + word + "'");
-      matrix.push_back(value);
-    }
+    while (!reader.AtLineEnd()) matrix.push_back(reader.Double(key.c_str()));
     const std::size_t count = key == "R0_rect" ? 9 : 12;
     if (matrix.size() != count)
-      throw Error(place + "expected " + std::to_string(count) + " numbers, found " +
-                  std::to_string(matrix.size()));
+      throw Error(name, reader.LineNumber(reader.LineOffset()), 0,
+                  key + ": expected " + std::to_string(count) + " numbers, found " +
+                      std::to_string(matrix.size()));
   }
   for (const char* key : {"P2", "R0_rect", "Tr_velo_to_cam"})
     if (matrices.count(key) == 0) throw Error(name + ": no line " + key + ": ...");
