@@ -11,9 +11,13 @@
 #include "graticule/problems/attenuation/persistence.hpp"
 #include "graticule/problems/random.hpp"
 #include "graticule/solver/error.hpp"
+#include "predictions.hpp"
 
 namespace graticule {
 namespace {
+
+using test::LinksOf;
+using test::Predicted;
 
 /// Links between places in a hall of 20 m, heard once a tenth of a second.
 std::vector<SignalMeasurement> Hall(std::size_t count, std::uint64_t seed) {
@@ -31,19 +35,6 @@ std::vector<SignalMeasurement> Hall(std::size_t count, std::uint64_t seed) {
         -40 - 25 * std::log10(distance) + 4 * std::sin(link.receiver_m.x()) + 2 * random.Normal();
   }
   return measurements;
-}
-
-std::vector<SignalLink> LinksOf(const std::vector<SignalMeasurement>& measurements) {
-  std::vector<SignalLink> links;
-  for (const SignalMeasurement& measurement : measurements) links.push_back(measurement.link);
-  return links;
-}
-
-std::vector<SignalPrediction> Predicted(const SignalPredictor& predictor,
-                                        const std::vector<SignalLink>& links) {
-  std::vector<SignalPrediction> predictions(links.size());
-  predictor.Predict(links, {predictions.data(), predictions.size()});
-  return predictions;
 }
 
 /// Of the kernels' matrix for links in a hall of 5 m, where all are within the support.

@@ -9,9 +9,13 @@
 #include "graticule/problems/random.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/solve.hpp"
+#include "predictions.hpp"
 
 namespace graticule {
 namespace {
+
+using test::LinksOf;
+using test::Predicted;
 
 using Eigen::Vector3d;
 
@@ -56,19 +60,6 @@ std::vector<SignalMeasurement> Measured(const Truth& truth, std::size_t count, s
   return measurements;
 }
 
-std::vector<SignalLink> Links(const std::vector<SignalMeasurement>& measurements) {
-  std::vector<SignalLink> links;
-  for (const SignalMeasurement& m : measurements) links.push_back(m.link);
-  return links;
-}
-
-std::vector<SignalPrediction> Predicted(const SignalPredictor& predictor,
-                                        const std::vector<SignalLink>& links) {
-  std::vector<SignalPrediction> predictions(links.size());
-  predictor.Predict(links, {predictions.data(), predictions.size()});
-  return predictions;
-}
-
 TEST(Tomography, FindsAWall) {
   Truth truth;
   truth.sigma_db = 1;
@@ -83,7 +74,7 @@ TEST(Tomography, FindsAWall) {
 
 TEST(Tomography, PredictsBeforeTheFirstMeasurement) {
   const Tomography matte(TomographyOptions::Matte());
-  const auto p = Predicted(matte, Links(Measured({}, 20, 1)));
+  const auto p = Predicted(matte, LinksOf(Measured({}, 20, 1)));
   for (const SignalPrediction& prediction : p) {
     EXPECT_TRUE(std::isfinite(prediction.dbm));
     EXPECT_GT(prediction.sigma_db, 20);
@@ -98,7 +89,7 @@ TEST(Tomography, CoversWhatItPredictsAsOftenAsItSays) {
     predictor.AddMeasurements(Measured({}, 1500, 2));
     predictor.Update(150);
     const auto test = Measured({}, 4000, 3);
-    const auto p = Predicted(predictor, Links(test));
+    const auto p = Predicted(predictor, LinksOf(test));
     int covered = 0;
     for (std::size_t i = 0; i < test.size(); ++i)
       covered += std::abs(test[i].dbm - p[i].dbm) < 1.96 * p[i].sigma_db;
@@ -123,7 +114,7 @@ TEST(Tomography, LearnsInStepsWhatItLearnsAtOnce) {
     steps.AddMeasurements({measurements.data() + i, 40});
     steps.Update(0.1 * static_cast<double>(i));
   }
-  const auto links = Links(Measured({}, 500, 5));
+  const auto links = LinksOf(Measured({}, 500, 5));
   const auto a = Predicted(whole, links), b = Predicted(steps, links);
   for (std::size_t i = 0; i < links.size(); ++i) EXPECT_NEAR(a[i].dbm, b[i].dbm, 1e-6);
 }
@@ -225,7 +216,7 @@ TEST(Tomography, KeepsWhatItLearntThroughAnotherMap) {
   finer->cells.assign(finer->width * finer->height, Occupancy::kFree);
   for (std::size_t y = 0; y < 480; ++y)
     for (std::size_t x = 0; x < 800; ++x) finer->cells[y * 800 + x] = room->At(x / 2, y / 2);
-  const auto links = Links(Measured({}, 100, 5));
+  const auto links = LinksOf(Measured({}, 100, 5));
   const auto before = Predicted(matte, links);
   matte.SetMap(finer);
   const auto after = Predicted(matte, links);
@@ -235,7 +226,7 @@ TEST(Tomography, KeepsWhatItLearntThroughAnotherMap) {
 }
 
 TEST(Tomography, HasTheSameDigitsTwice) {
-  const auto links = Links(Measured({}, 200, 5));
+  const auto links = LinksOf(Measured({}, 200, 5));
   std::vector<SignalPrediction> first;
   for (int run = 0; run < 2; ++run) {
     Tomography matte(TomographyOptions::Matte());
