@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include "arguments.hpp"
 #include "console.hpp"
+#include "memory_limit.hpp"
 
 namespace {
 
@@ -30,17 +32,22 @@ void EndBlasThreads() {
 
 int main(int argc, char** argv) {
   using namespace graticule;
+  apps::EndCleanlyWhereLibrariesAbort();
   KeepMemory();
   EndBlasThreads();
   const apps::Console console;
   int code = apps::kInternal;
   try {
+    apps::TakeMemoryOfBlas();
     code = apps::RunFromArguments(argc, argv);
   } catch (const Error& error) {
     console.Error(error.what());
     code = apps::ExitOf(error.Kind());
   } catch (const std::bad_alloc&) {
     console.Error("out of memory");
+    code = apps::kOtherFailure;
+  } catch (const std::system_error& error) {  // of threads: files have errors of their own
+    console.Error(error.what());
     code = apps::kOtherFailure;
   } catch (const std::exception& exception) {
     // fmt throws where stdout takes no more: that is no fault of ours, and is said below.

@@ -40,24 +40,29 @@ LiveMapOptions OptionsOf(const MapCommand& command) {
   return options;
 }
 
-// The graphs of the sequence; the mission is recorded where that is asked for.
+constexpr double kAllAtOnceS = 1e9;  // from graph to graph: longer than any mission
+
+// The graphs of the sequence, at least one; the mission is recorded where that is asked for.
 std::vector<MissionStep> Replay(const MapCommand& command, const LoadedMission& loaded,
                                 const Registry& types, const std::string& title,
                                 const OutputFolder& folder, const Console& console) {
   std::vector<MissionStep> steps;
   const Mission& mission = loaded.mission;
-  const std::unique_ptr<GraphSequence> sequence = SequenceOf(loaded, command, types);
+  MapCommand asked = command;
+  if (Interruptible::WasAsked()) asked.every_s = kAllAtOnceS;
+  const std::unique_ptr<GraphSequence> sequence = SequenceOf(loaded, asked, types);
   std::optional<MissionRecorder> recorder;
   if (command.record) recorder.emplace(folder, title, MadeBy("map " + title));
   MissionStep step;
-  while (!Interruptible::WasAsked() && sequence->Next(&step)) {
+  while ((steps.empty() || !Interruptible::WasAsked()) && sequence->Next(&step)) {
     steps.push_back(step);
     console.Progress(
         fmt::format("graph {}: {} of {} nodes", steps.size(), step.nodes, mission.nodes.size()));
     if (recorder) recorder->Keep(step, sequence->Problem());
   }
   console.Progress("");
-  if (recorder && !steps.empty()) recorder->Finish(mission, steps.back());
+  if (steps.empty()) throw Error("there is no graph in this mission");
+  if (recorder) recorder->Finish(mission, steps.back());
   return steps;
 }
 
@@ -68,7 +73,9 @@ MapRun RunOf(const std::string& method, const std::vector<MissionStep>& steps,
   for (std::size_t i = 0; i < mapped.updates.size(); ++i) {
     const MapUpdate& update = mapped.updates[i];
     MapUpdateRow row;
-    row.time = steps[i].time - steps.front().time;
+    // One that was stopped ends with the last.
+    const bool is_last = i + 1 == mapped.updates.size();
+    row.time = (is_last ? steps.back() : steps[i]).time - steps.front().time;
     row.seconds = update.seconds;
     row.nodes = update.nodes;
     row.cover = update.cover;
@@ -131,13 +138,13 @@ int Run(const MapCommand& command, const Console& console) {
   datum = mission.datum;
   const std::vector<MissionStep> steps =
       Replay(command, loaded, types, report.title, folder, console);
-  if (steps.empty()) throw Error("stopped before the first graph", ErrorKind::kOther);
   const MissionStep& last = steps.back();
 
   LiveMapOptions options = OptionsOf(command);
   const OccupancyGrid all = MapOfAllNodes(mission, last, options)->Grid();
   std::shared_ptr<const OccupancyMap> map;
   for (const std::string& method : command.methods) {
+    if (map && Interruptible::WasAsked()) break;
     options.method = MapMethodOf(method);
     const bool incremental = options.method == MapMethod::kIncremental;
     const double deadline = command.deadline_ms > 0 && incremental

@@ -151,6 +151,7 @@ Mission FromLogs(const MapCommand& command, const Registry& types, MapReport* re
   FrontEndResult built =
       BuildMission(log, types, options, [&](const std::string& stage, double done) {
         console.Progress(fmt::format("{}: {:.0f} %", stage, 100 * done));
+        return !Interruptible::WasAsked();
       });
   console.Progress("");
   const FrontEndReport& did = built.report;

@@ -62,8 +62,10 @@ class Builder {
   }
 
  private:
-  void Tell(const std::string& stage, double done) const {
-    if (watch_) watch_(stage, done);
+  // False: look no further.
+  bool Tell(const std::string& stage, double done) {
+    if (watch_ && !watch_(stage, done)) is_stopped_ = true;
+    return !is_stopped_;
   }
 
   void Follow() {
@@ -191,7 +193,7 @@ class Builder {
   void Close(LoopSearch* search) {
     double window = std::min(kFirstWindow, options_.closure_window);
     for (int round = 0; round < options_.closure_rounds; ++round) {
-      Tell("closing loops", static_cast<double>(round) / options_.closure_rounds);
+      if (!Tell("closing loops", static_cast<double>(round) / options_.closure_rounds)) return;
       bool has_left = false;
       const std::vector<Closure> found = search->Search(poses_, believed_, window, &has_left);
       if (found.size() * kSettled <= suspects_.size()) {
@@ -242,7 +244,7 @@ class Builder {
   // Robots whose starts nobody knows: meetings that agree with each other join them.
   void Join(LoopSearch* search) {
     while (Pieces() > 1) {
-      Tell("joining robots", 1 / static_cast<double>(Pieces()));
+      if (!Tell("joining robots", 1 / static_cast<double>(Pieces()))) return;
       const std::vector<Closure> found = WithoutConflicts(search->Meetings(poses_));
       if (found.empty()) return;
       std::vector<Closure> all = believed_;
@@ -277,7 +279,7 @@ class Builder {
   void Refine(LoopSearch* search) {
     std::vector<Closure> all = believed_;
     for (int round = 0; round < options_.overlap_rounds; ++round) {
-      Tell("refining", static_cast<double>(round) / options_.overlap_rounds);
+      if (!Tell("refining", static_cast<double>(round) / options_.overlap_rounds)) break;
       const std::vector<Closure> overlaps = search->Overlaps(poses_);
       all.resize(believed_.size());
       all.insert(all.end(), overlaps.begin(), overlaps.end());
@@ -329,6 +331,7 @@ class Builder {
   std::vector<PlanarPose> poses_;        // of nodes, as of the last solution
   std::vector<Closure> suspects_, believed_;
   std::size_t chain_factors_ = 0;
+  bool is_stopped_ = false;
 };
 
 }  // namespace

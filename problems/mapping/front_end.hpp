@@ -80,8 +80,9 @@ struct FrontEndResult {
   FrontEndReport report;
 };
 
-/// What is being done, and how much of it is done (0 to 1).
-using FrontEndObserver = std::function<void(const std::string& stage, double done)>;
+/// What is being done, and how much of it is done (0 to 1).  Says false to look for no more loops:
+/// the graph is then of what is known so far.
+using FrontEndObserver = std::function<bool(const std::string& stage, double done)>;
 
 /// From raw scans to a solved pose graph:
 ///

@@ -26,7 +26,7 @@ MappedMission MapMission(const Mission& mission, const std::vector<MissionStep>&
         AddNode(mission, node, step.world_from_robot[node], &map);
     }
     mapped.updates.push_back(map.Update(deadline_s));
-    if (keep_on && !keep_on(i)) break;
+    if (keep_on && !keep_on(i) && i + 2 < steps.size()) i = steps.size() - 2;
   }
   const auto is_behind = [&] {
     return !mapped.updates.empty() &&

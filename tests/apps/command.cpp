@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <pty.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -57,6 +58,10 @@ struct Stream {
   for (const std::string& argument : arguments)
     words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
+  if (options.memory_bytes) {
+    const rlimit limit = {options.memory_bytes, options.memory_bytes};
+    setrlimit(RLIMIT_AS, &limit);
+  }
   execv(GRATICULE_PROGRAM, words.data());
   _exit(127);
 }
@@ -79,11 +84,18 @@ Outcome RunCommand(const std::vector<std::string>& arguments, const RunOptions& 
   close(err.childs);
 
   using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(options.timeout_s);
-  bool interrupted = options.interrupt_at.empty(), timed_out = false;
+  const auto start = Clock::now();
+  const auto end = start + std::chrono::duration<double>(options.timeout_s);
+  const auto signal_at = start + std::chrono::duration<double>(options.signal_after_s);
+  bool interrupted = options.interrupt_at.empty(), signalled = options.signal == 0,
+       timed_out = false;
   pollfd watched[] = {{out.ours, POLLIN, 0}, {err.ours, POLLIN, 0}};
   while (watched[0].fd >= 0 || watched[1].fd >= 0) {
-    poll(watched, 2, 100);
+    poll(watched, 2, signalled ? 100 : 1);
+    if (!signalled && Clock::now() >= signal_at) {
+      kill(child, options.signal);
+      signalled = true;
+    }
     if (watched[0].revents && !out.Read()) watched[0].fd = -1;
     if (watched[1].revents && !err.Read()) watched[1].fd = -1;
     if (!interrupted && err.text.find(options.interrupt_at) != std::string::npos) {

@@ -18,7 +18,10 @@ struct RunOptions {
   bool terminal_stdout = false, terminal_stderr = false;  ///< on a pseudo-terminal
   std::string folder;                                     ///< working folder; "" this process's own
   std::string interrupt_at;                               ///< SIGINT as soon as stderr says this
-  double timeout_s = 500;  ///< then it is killed, and the exit code is -1
+  int signal = 0;                                         ///< sent after signal_after_s
+  double signal_after_s = 0;
+  std::size_t memory_bytes = 0;  ///< of address space, as `ulimit -v` has it; 0: any
+  double timeout_s = 500;        ///< then it is killed, and the exit code is -1
 };
 
 /// What a command said.  From a terminal lines end in \r\n.
