@@ -44,7 +44,7 @@ int Run(const SignalSimulateCommand& command, const Console& console) {
                                  {"place", command.place},
                                  {"seed", command.seed},
                                  {"l0_dbm", options.radio.l0_dbm},
-                                 {"exponent", options.radio.exponent},
+                                 {"exponent", simulated.plan.exponent},
                                  {"wall_ceiling_db", options.radio.ceiling_db},
                                  {"shadowing_db", options.radio.shadowing_db},
                                  {"resolution_m", simulated.plan.resolution}};

@@ -1,21 +1,22 @@
 // The five evaluations of the thesis' Table 3.1 on simulated places: train on two, test on three.
-// The tables of docs/signal_evaluation.md.
-//   graticule_attenuation_simulated [--rate HZ] [--seconds S] [--most N] [--threads N] [NUMBER...]
+// The tables of docs/signal_simulation.md.
+//   graticule_attenuation_simulated [--rate HZ] [--seconds S] [--most N] [--threads N]
+//       [--state FOLDER] [--method NAME]... [NUMBER...]
+// --state: where searches are kept, so that a run which was stopped goes on.
 
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <mutex>
 #include <string>
 
 #include "graticule/problems/attenuation/growing_map.hpp"
 #include "graticule/problems/attenuation/replay.hpp"
-#include "graticule/problems/attenuation/settings.hpp"
 #include "graticule/problems/attenuation/simulate.hpp"
 #include "graticule/problems/attenuation/tomography.hpp"
-#include "graticule/problems/attenuation/tune.hpp"
+#include "graticule/problems/attenuation/tune_method.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -30,44 +31,69 @@ const Evaluation kEvaluations[] = {{{"nw2", "bbb3"}, {"eecs4", "dc1", "nw1"}},
                                    {{"bbb3", "eecs4"}, {"nw2", "nw1", "dc1"}},
                                    {{"nw1", "eecs4"}, {"nw2", "dc1", "bbb3"}},
                                    {{"dc1", "nw1"}, {"eecs4", "bbb3", "nw2"}}};
+constexpr std::size_t kNear = 3;  // horizons of 2 s that tuning and the verdict look at
 
 struct Words {
   double rate_hz = 4, seconds = 0;
-  std::size_t most = 60, threads = 2;
+  std::size_t most = 120, threads = 2;
+  std::string state;
+  std::vector<std::string> methods = {"log-fit", "persistence", "one-attenuation-a-class",
+                                      "mrt",     "mrgp",        "matte"};
 };
 
-/// What the compass search of a method turns: the thesis' meta-parameters, where one of them may be
-/// several settings.
-struct Coordinate {
-  std::vector<std::string> settings;
-  double start, step, lower, upper;
-};
-std::vector<Coordinate> CoordinatesOf(const std::string& method) {
-  if (method == "mrt") return {{{"mrt.lambda"}, 4, 2, 0.1, 40}};
-  if (method == "mrgp") return {{{"mrgp.length_m"}, 28.75, 8, 1, 60}};
+/// What the compass search of a method turns: the thesis' meta-parameters.  One attenuation a class
+/// has none ("no parameters to tune").
+std::vector<std::string> Tuned(const std::string& method) {
+  if (method == "persistence") return {"persistence.decay_s"};
+  if (method == "mrt") return {"mrt.lambda", "mrt.rho_all", "mrt.phi_all"};
+  if (method == "mrgp") return {"mrgp.length_m"};
   if (method == "matte")
-    return {{{"matte.lambda"}, 4, 2, 0.1, 40},
-            {{"matte.phi_free", "matte.phi_unknown"}, 10, 5, 0.2, 60},
-            {{"matte.phi_structure"}, 4, 2, 0.2, 60},
-            {{"matte.rho_free"}, 0.05, 0.1, -0.5, 5},
-            {{"matte.rho_structure"}, 2, 2, 0, 20},
-            {{"matte.rho_unknown"}, 0.2, 0.2, -0.5, 5}};
+    return {"matte.lambda",        "matte.rho_free",    "matte.phi_free",   "matte.rho_structure",
+            "matte.phi_structure", "matte.rho_unknown", "matte.phi_unknown"};
   return {};
 }
 
-MethodOptions OptionsAt(const std::vector<Coordinate>& coordinates, const std::vector<double>& at) {
-  MethodOptions options;
-  for (std::size_t i = 0; i < at.size(); ++i)
-    for (const std::string& name : coordinates[i].settings) SetSignalOption(&options, name, at[i]);
-  return options;
-}
+/// Pairs of an estimate and the truth.
+struct Pairs {
+  double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  void Add(double x, double y) {
+    ++n;
+    a += x;
+    b += y;
+    aa += x * x;
+    bb += y * y;
+    ab += x * y;
+  }
+  double Correlation() const {
+    return (ab - a * b / n) / std::sqrt((aa - a * a / n) * (bb - b * b / n));
+  }
+};
 
 class Bench {
  public:
   explicit Bench(const Words& words) : words_(words) {}
 
+  void Evaluate(std::size_t number) {
+    const Evaluation& evaluation = kEvaluations[number - 1];
+    fmt::print("evaluation {}: train {} {}, test {} {} {}\n", number, evaluation.train[0],
+               evaluation.train[1], evaluation.test[0], evaluation.test[1], evaluation.test[2]);
+    std::map<std::string, std::vector<ReplayResult>> results;
+    MethodOptions matte;
+    for (const std::string& method : words_.methods) {
+      const MethodOptions options = Tune(number, method);
+      if (method == "matte") matte = options;
+      std::vector<ReplayResult>& tests = results[method];
+      for (const std::string& place : evaluation.test) tests.push_back(Run(place, method, options));
+      PrintScores(method, tests);
+    }
+    if (results.count("matte") == 0) return;
+    PrintComparison(results);
+    for (const std::string& place : evaluation.test) PrintRecovered(place, matte);
+    std::fflush(stdout);
+  }
+
+ private:
   const SimulatedSignal& Place(const std::string& name) {
-    const std::lock_guard<std::mutex> lock(mutex_);
     auto& place = places_[name];
     if (!place) {
       SignalMissionOptions options;
@@ -79,52 +105,81 @@ class Bench {
     return *place;
   }
 
-  ReplayResult Run(const std::string& name, const std::string& method, const MethodOptions& options,
-                   int horizons) {
+  ReplayResult Run(const std::string& name, const std::string& method,
+                   const MethodOptions& options) {
     const SimulatedSignal& place = Place(name);
-    ReplayOptions replay;
-    replay.horizons = horizons;
-    return Replay(
-        place.log,
-        [&] { return std::make_unique<GrowingMap>(MakePredictor(method, options), place.maps); },
-        replay);
+    return Replay(place.log, [&] {
+      return std::make_unique<GrowingMap>(MakePredictor(method, options), place.maps);
+    });
   }
 
-  MethodOptions Tune(const Evaluation& evaluation, const std::string& method) {
-    const std::vector<Coordinate> coordinates = CoordinatesOf(method);
-    if (coordinates.empty()) return {};
-    CompassOptions search;
-    std::vector<double> start;
-    for (const Coordinate& c : coordinates) {
-      start.push_back(c.start);
-      search.scale.push_back(c.step);
-      search.lower.push_back(c.lower);
-      search.upper.push_back(c.upper);
-    }
-    search.last_step = 0.2;
-    search.max_evaluations = words_.most;
-    search.threads = words_.threads;
-    const CompassResult found = CompassSearch(
-        [&](const std::vector<double>& at) {
-          double squares = 0, count = 0;
-          for (const std::string& place : evaluation.train) {
-            const SignalScore score = Trained(place, method, coordinates, at);
-            squares += score.mse * static_cast<double>(score.count);
-            count += static_cast<double>(score.count);
-          }
-          return squares / count;
-        },
-        start, search);
-    fmt::print("  {:<8} {:.2f} dB^2 in training, {} evaluations:", method, found.value,
-               found.evaluations);
-    for (std::size_t i = 0; i < coordinates.size(); ++i)
-      fmt::print(" {} {:.3g}", coordinates[i].settings.front(), found.best[i]);
+  MethodOptions Tune(std::size_t number, const std::string& method) {
+    TuneOptions options;
+    options.only = Tuned(method);
+    if (options.only.empty() || words_.most == 0) return {};
+    options.by = TuneBy::kMse;
+    options.replay.horizons = static_cast<int>(kNear);
+    options.max_evaluations = words_.most;
+    options.threads = words_.threads;
+    if (!words_.state.empty())
+      options.state_path = fmt::format("{}/{}-{}.search", words_.state, number, method);
+    std::vector<TrainingLog> logs;
+    for (const std::string& name : kEvaluations[number - 1].train)
+      logs.push_back({Place(name).log, nullptr, Place(name).maps});
+    TuneResult result = TuneMethod(method, logs, {}, options);
+    fmt::print("  {:<23} in training {:.2f} -> {:.2f} dB^2{}:", method, result.before, result.after,
+               result.search.has_converged ? "" : ", not converged");
+    for (const MetaParameter& parameter : result.parameters)
+      fmt::print(" {} {:.3g}", parameter.name, *parameter.value(&result.options));
     fmt::print("\n");
     std::fflush(stdout);
-    return OptionsAt(coordinates, found.best);
+    return result.options;
   }
 
-  /// How attenuations that were recovered compare to the truth.
+  static void PrintScores(const std::string& method, const std::vector<ReplayResult>& tests) {
+    fmt::print("  {:<23} MSE", method);
+    double near = 0, near_count = 0;
+    for (std::size_t h = 0; h < tests.front().horizons.size(); ++h) {
+      double squares = 0, count = 0, variance = 0;
+      for (const ReplayResult& test : tests) {
+        const SignalScore& score = test.horizons[h];
+        const auto n = static_cast<double>(score.count);
+        squares += n * score.mse;
+        variance += n * n * score.standard_error * score.standard_error;
+        count += n;
+      }
+      fmt::print(" {:.2f}", squares / count);
+      if (h < kNear) fmt::print("+-{:.2f}", std::sqrt(variance) / count);
+      if (h < kNear) near += squares, near_count += count;
+    }
+    fmt::print(" | 0-6 s {:.2f} | 95 % covers", near / near_count);
+    double covered = 0, all = 0;
+    for (const ReplayResult& test : tests) {
+      const auto n = static_cast<double>(test.all.count);
+      covered += n * test.all.coverage[3];
+      all += n;
+      fmt::print(" {:.1f}", 100 * test.all.coverage[3]);
+    }
+    fmt::print(", in all {:.1f}\n", 100 * covered / all);
+    std::fflush(stdout);
+  }
+
+  /// MATTE beside each other method, paired; negative: MATTE is better.
+  static void PrintComparison(const std::map<std::string, std::vector<ReplayResult>>& results) {
+    for (const auto& [method, tests] : results) {
+      if (method == "matte") continue;
+      fmt::print("  matte - {:<23}", method);
+      for (std::size_t h = 0; h <= kNear; ++h) {
+        const PairedDifference difference = ComparePaired(
+            results.at("matte"), tests, h == kNear ? 0 : h, h == kNear ? kNear : h + 1);
+        fmt::print(" {}{:+.2f}+-{:.2f}", h == kNear ? "| 0-6 s " : "", difference.mse,
+                   difference.standard_error);
+      }
+      fmt::print("\n");
+    }
+  }
+
+  /// How attenuations that were recovered compare to the truth, in cells that rays have told of.
   void PrintRecovered(const std::string& name, const MethodOptions& options) {
     const SimulatedSignal& place = Place(name);
     Tomography tomography(options.matte);
@@ -138,83 +193,30 @@ class Bench {
          TrueAttenuations(place.plan, *place.map, options.matte.cell_m))
       if (cell.cells >= 5)
         truth[{class_of[static_cast<std::size_t>(cell.what)], cell.x, cell.y}] = cell.db_per_m;
-    double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-    std::array<double, 3> sums = {}, true_sums = {}, counts = {};
+    Pairs all;
+    std::array<Pairs, 3> of_class;
     for (const CellAttenuation& cell : tomography.Cells()) {
       const auto found =
           truth.find({static_cast<int>(cell.cell.material), cell.cell.x, cell.cell.y});
-      const AttenuationClass& c = options.matte.classes[cell.cell.material];
-      const double believed = options.matte.sigma_db / c.phi;
+      const double believed =
+          options.matte.sigma_db / options.matte.classes[cell.cell.material].phi;
       if (found == truth.end() || cell.sigma_db_per_m > 0.8 * believed) continue;
-      ++n;
-      a += cell.db_per_m;
-      b += found->second;
-      aa += cell.db_per_m * cell.db_per_m;
-      bb += found->second * found->second;
-      ab += cell.db_per_m * found->second;
-      sums[cell.cell.material] += cell.db_per_m;
-      true_sums[cell.cell.material] += found->second;
-      ++counts[cell.cell.material];
+      all.Add(cell.db_per_m, found->second);
+      of_class[cell.cell.material].Add(cell.db_per_m, found->second);
     }
     fmt::print("  {:<6} {:.0f} observed cells, correlation with truth {:.2f}; dB/m (truth):", name,
-               n, (ab - a * b / n) / std::sqrt((aa - a * a / n) * (bb - b * b / n)));
-    for (std::size_t c = 0; c < 3; ++c)
-      if (counts[c] > 0)
-        fmt::print(" {} {:.2f} ({:.2f}) of {:.0f}", options.matte.classes[c].name,
-                   sums[c] / counts[c], true_sums[c] / counts[c], counts[c]);
+               all.n, all.Correlation());
+    for (std::size_t c = 0; c < of_class.size(); ++c)
+      if (of_class[c].n > 0)
+        fmt::print(" {} {:.2f} ({:.2f}) of {:.0f}, correlation {:.2f};",
+                   options.matte.classes[c].name, of_class[c].a / of_class[c].n,
+                   of_class[c].b / of_class[c].n, of_class[c].n, of_class[c].Correlation());
     fmt::print("\n");
   }
 
- private:
-  SignalScore Trained(const std::string& place, const std::string& method,
-                      const std::vector<Coordinate>& coordinates, const std::vector<double>& at) {
-    std::string key = place + method;
-    for (const double value : at) key += fmt::format(" {:.12g}", value);
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      const auto found = trained_.find(key);
-      if (found != trained_.end()) return found->second;
-    }
-    const SignalScore score = Run(place, method, OptionsAt(coordinates, at), 3).all;
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return trained_[key] = score;
-  }
-
   Words words_;
-  std::mutex mutex_;
   std::map<std::string, std::unique_ptr<SimulatedSignal>> places_;
-  std::map<std::string, SignalScore> trained_;
 };
-
-void Evaluate(std::size_t number, Bench* bench) {
-  const Evaluation& evaluation = kEvaluations[number - 1];
-  fmt::print("evaluation {}: train {} {}, test {} {} {}\n", number, evaluation.train[0],
-             evaluation.train[1], evaluation.test[0], evaluation.test[1], evaluation.test[2]);
-  MethodOptions matte;
-  for (const std::string method : {"log-fit", "persistence", "mrt", "mrgp", "matte"}) {
-    const MethodOptions options = bench->Tune(evaluation, method);
-    if (method == "matte") matte = options;
-    double squares[10] = {}, counts[10] = {}, covered = 0, all = 0, near = 0, near_count = 0;
-    for (const std::string& place : evaluation.test) {
-      const ReplayResult result = bench->Run(place, method, options, 10);
-      for (std::size_t h = 0; h < 10; ++h) {
-        const auto n = static_cast<double>(result.horizons[h].count);
-        squares[h] += n * result.horizons[h].mse;
-        counts[h] += n;
-        if (h < 3) near += n * result.horizons[h].mse;
-        if (h < 3) near_count += n;
-      }
-      covered += result.all.coverage[3] * static_cast<double>(result.all.count);
-      all += static_cast<double>(result.all.count);
-    }
-    fmt::print("  {:<12} MSE", method);
-    for (std::size_t h = 0; h < 10; ++h) fmt::print(" {:6.2f}", squares[h] / counts[h]);
-    fmt::print(" | 0-6 s {:6.2f} | 95 % covers {:.1f}\n", near / near_count, 100 * covered / all);
-    std::fflush(stdout);
-  }
-  for (const std::string& place : evaluation.test) bench->PrintRecovered(place, matte);
-  std::fflush(stdout);
-}
 
 }  // namespace
 }  // namespace graticule
@@ -224,6 +226,7 @@ int main(int argc, char** argv) {
   try {
     Words words;
     std::vector<std::size_t> numbers;
+    std::vector<std::string> methods;
     for (int i = 1; i < argc; ++i) {
       const std::string word = argv[i];
       const double value = i + 1 < argc ? std::atof(argv[i + 1]) : 0;
@@ -235,14 +238,19 @@ int main(int argc, char** argv) {
         words.most = static_cast<std::size_t>(value), ++i;
       else if (word == "--threads")
         words.threads = static_cast<std::size_t>(value), ++i;
+      else if (word == "--state" && i + 1 < argc)
+        words.state = argv[++i];
+      else if (word == "--method" && i + 1 < argc)
+        methods.push_back(argv[++i]);
       else
         numbers.push_back(static_cast<std::size_t>(std::atoi(argv[i])));
     }
+    if (!methods.empty()) words.methods = methods;
     if (numbers.empty()) numbers = {1, 2, 3, 4, 5};
     Bench bench(words);
     for (const std::size_t number : numbers) {
       if (number < 1 || number > 5) throw Error("an evaluation is 1 to 5", ErrorKind::kUsage);
-      Evaluate(number, &bench);
+      bench.Evaluate(number);
     }
     return 0;
   } catch (const Error& error) {

@@ -128,12 +128,20 @@ ReplayResult Replay(const SignalLog& log,
       predictor->Predict(links, {predictions.data(), predictions.size()});
       result.predict_ms += predict.Elapsed().wall * 1e3;
       ++predicted_steps;
+      StepErrors errors{std::vector<double>(horizons.size()),
+                        std::vector<std::size_t>(horizons.size())};
       for (std::size_t i = 0; i < links.size(); ++i) {
         if (!all[next + i].is_heard) continue;
-        const auto horizon = static_cast<std::size_t>((links[i].time_s - now_s) / options.step_s);
-        horizons[std::min(horizon, horizons.size() - 1)].Add(predictions[i], all[next + i].dbm);
-        every.Add(predictions[i], all[next + i].dbm);
+        const double dbm = all[next + i].dbm, error = dbm - predictions[i].dbm;
+        const std::size_t horizon =
+            std::min(static_cast<std::size_t>((links[i].time_s - now_s) / options.step_s),
+                     horizons.size() - 1);
+        horizons[horizon].Add(predictions[i], dbm);
+        every.Add(predictions[i], dbm);
+        errors.squares[horizon] += error * error;
+        ++errors.counts[horizon];
       }
+      result.steps.push_back(std::move(errors));
       for (Sums& sums : horizons) sums.EndStep();
       every.EndStep();
     }
@@ -142,6 +150,45 @@ ReplayResult Replay(const SignalLog& log,
   result.all = every.Score();
   result.update_ms /= static_cast<double>(std::max<std::size_t>(steps, 1));
   result.predict_ms /= static_cast<double>(std::max<std::size_t>(predicted_steps, 1));
+  return result;
+}
+
+PairedDifference ComparePaired(const std::vector<ReplayResult>& method,
+                               const std::vector<ReplayResult>& other, std::size_t from,
+                               std::size_t to, std::size_t block_steps) {
+  struct Block {
+    double difference = 0, count = 0;
+  };
+  std::vector<Block> blocks;
+  Block sum;
+  if (method.size() != other.size() || block_steps == 0)
+    throw Error("replays that are not of the same logs cannot be paired", ErrorKind::kUsage);
+  for (std::size_t log = 0; log < method.size(); ++log) {
+    const auto &mine = method[log].steps, &theirs = other[log].steps;
+    if (mine.size() != theirs.size())
+      throw Error("replays that are not of the same steps cannot be paired", ErrorKind::kUsage);
+    for (std::size_t step = 0; step < mine.size(); ++step) {
+      if (step % block_steps == 0) blocks.emplace_back();
+      for (std::size_t h = from; h < std::min(to, mine[step].counts.size()); ++h) {
+        if (theirs[step].counts.at(h) != mine[step].counts[h])
+          throw Error("replays that are not of the same steps cannot be paired", ErrorKind::kUsage);
+        blocks.back().difference += mine[step].squares[h] - theirs[step].squares[h];
+        blocks.back().count += static_cast<double>(mine[step].counts[h]);
+      }
+    }
+  }
+  for (const Block& block : blocks) {
+    sum.difference += block.difference;
+    sum.count += block.count;
+  }
+  PairedDifference result;
+  if (sum.count == 0) return result;
+  result.mse = sum.difference / sum.count;
+  double squares = 0;
+  for (const Block& block : blocks)
+    squares += std::pow(block.difference - result.mse * block.count, 2);
+  const auto n = static_cast<double>(blocks.size());
+  if (n > 1) result.standard_error = std::sqrt(squares * n / (n - 1)) / sum.count;
   return result;
 }
 

@@ -41,10 +41,17 @@ struct ReplayOptions {
   std::size_t every = 1;  ///< predicts at each so many'th step only (updates at all of them)
 };
 
+/// One step's predictions, by horizon: their squared errors' sum [dB^2], and how many they are.
+struct StepErrors {
+  std::vector<double> squares;
+  std::vector<std::size_t> counts;
+};
+
 struct ReplayResult {
   std::string method;
   std::vector<SignalScore> horizons;
   SignalScore all;
+  std::vector<StepErrors> steps;         ///< that predicted anything
   double update_ms = 0, predict_ms = 0;  ///< wall clock a step, mean
 };
 
@@ -56,6 +63,20 @@ struct ReplayResult {
 ReplayResult Replay(const SignalLog& log,
                     const std::function<std::unique_ptr<SignalPredictor>()>& make,
                     const ReplayOptions& options = {});
+
+/// By how much the mean squared error of one method is above another's [dB^2], with its standard
+/// error.
+struct PairedDifference {
+  double mse = 0, standard_error = 0;
+};
+
+/// Of two methods that were replayed over the same logs, over horizons `from` to before `to` of
+/// them all.  The two are wrong together, and a step is as its neighbours are: the standard error
+/// is that of sums over blocks of steps (a ratio's, by its linear part).  Throws Error (kUsage):
+/// replays that are not of the same steps.
+PairedDifference ComparePaired(const std::vector<ReplayResult>& method,
+                               const std::vector<ReplayResult>& other, std::size_t from,
+                               std::size_t to, std::size_t block_steps = 15);
 
 /// Which measurements are learnt from, and which are then predicted.
 struct HoldOut {

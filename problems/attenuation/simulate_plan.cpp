@@ -264,6 +264,7 @@ FloorPlan MakeFloorPlan(const PlaceOptions& options) {
       break;
     case PlaceOptions::Kind::kStreet:
       Street(all, &pen);
+      plan.exponent = FloorPlan::kStreetExponent;
       break;
   }
   return plan;

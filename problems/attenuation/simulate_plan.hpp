@@ -32,6 +32,9 @@ struct FloorPlan {
   double resolution = 0.1;  ///< m; the outer corner of cell (0, 0) is the map's origin
   std::size_t width = 0, height = 0;
   std::vector<Filling> cells;  ///< row by row, the lowest first
+  /// Of the path loss in sight (3GPP TR 38.901, table 7.4.1-1): InH-Office, or UMi-Street Canyon.
+  double exponent = kIndoorExponent;
+  static constexpr double kIndoorExponent = 1.73, kStreetExponent = 2.1;
 
   Filling At(std::size_t x, std::size_t y) const { return cells[y * width + x]; }
   /// Structure or free, of every cell.

@@ -100,6 +100,7 @@ double ShadowField::LossDb(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_
 
 RadioWorld::RadioWorld(const FloorPlan& plan, const RadioOptions& options, std::uint64_t seed)
     : options_(options),
+      exponent_(plan.exponent),
       map_([&] {
         std::vector<std::uint8_t> classes;
         for (const Filling filling : plan.cells)
@@ -125,8 +126,8 @@ double RadioWorld::CountedLossDb(double material_loss_db) const {
 double RadioWorld::MeanDbm(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
                            double material_loss_db) const {
   const double distance = std::max(0.1, (a_m - b_m).norm());
-  return options_.l0_dbm - 10 * options_.exponent * std::log10(distance) -
-         CountedLossDb(material_loss_db) - shadows_.LossDb(a_m.head<2>(), b_m.head<2>());
+  return options_.l0_dbm - 10 * exponent_ * std::log10(distance) - CountedLossDb(material_loss_db) -
+         shadows_.LossDb(a_m.head<2>(), b_m.head<2>());
 }
 
 LinkFading::LinkFading(const RadioOptions& options, RandomNumbers* random)

@@ -15,8 +15,7 @@ namespace graticule {
 /// How signals of 2.4 GHz spread in a simulated place (docs/signal_simulation.md has the sources).
 struct RadioOptions {
   double l0_dbm = -30;        ///< strength at 1 m
-  double exponent = 2;        ///< of the path loss, beside walls
-  double ceiling_db = 40;     ///< of walls together: what goes around them is left
+  double ceiling_db = 29;     ///< of walls together: what goes around them is left
   double shadowing_db = 4.5;  ///< standard deviation, beside walls
   double k_in_sight_db = 6;   ///< Rician factor without a wall between
   double k_hidden_db = -20;   ///< behind walls of 10 dB and more
@@ -62,6 +61,7 @@ class RadioWorld {
 
  private:
   RadioOptions options_;
+  double exponent_;
   std::unique_ptr<ClassMap> map_;
   RayTracer tracer_;
   ShadowField shadows_;

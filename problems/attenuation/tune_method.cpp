@@ -129,15 +129,17 @@ TuneResult TuneMethod(const std::string& method, const std::vector<TrainingLog>&
     const MethodOptions there = at(x);
     double sum = 0;
     for (const TrainingLog& training : logs) {
-      const SignalScore all_horizons = Replay(
-                                           training.log,
-                                           [&] {
-                                             auto predictor = MakePredictor(method, there);
-                                             predictor->SetMap(training.map);
-                                             return predictor;
-                                           },
-                                           options.replay)
-                                           .all;
+      const SignalScore all_horizons =
+          Replay(
+              training.log,
+              [&]() -> std::unique_ptr<SignalPredictor> {
+                auto predictor = MakePredictor(method, there);
+                predictor->SetMap(training.map);
+                if (training.maps.empty()) return predictor;
+                return std::make_unique<GrowingMap>(std::move(predictor), training.maps);
+              },
+              options.replay)
+              .all;
       sum += options.by == TuneBy::kMse ? all_horizons.mse : all_horizons.negative_log_likelihood;
     }
     return sum / static_cast<double>(logs.size());

@@ -7,6 +7,7 @@
 
 #include "graticule/io/occupancy.hpp"
 #include "graticule/io/signal_log.hpp"
+#include "graticule/problems/attenuation/growing_map.hpp"
 #include "graticule/problems/attenuation/methods.hpp"
 #include "graticule/problems/attenuation/replay.hpp"
 #include "graticule/problems/attenuation/tune.hpp"
@@ -29,10 +30,11 @@ struct MetaParameter {
 std::vector<MetaParameter> MetaParameters(const std::string& method,
                                           const MethodOptions& options = {});
 
-/// A log to tune on, and the map that came with it (null: none).
+/// A log to tune on, and the map that came with it (null: none), or as it grew.
 struct TrainingLog {
   SignalLog log;
   std::shared_ptr<const OccupancyGrid> map;
+  std::vector<TimedMap> maps = {};
 };
 
 enum class TuneBy { kMse, kNegativeLogLikelihood };
