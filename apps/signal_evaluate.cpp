@@ -155,9 +155,9 @@ int Run(const SignalEvaluateCommand& command, const Console& console) {
   for (const LoadedSignal& signal : signals) has_maps = has_maps && signal.map != nullptr;
   if (methods.empty())
     for (const char* word : {"log-fit", "persistence", "one", "mrt", "mrgp", "matte", "best"})
-      if (has_maps || !UsesMap(MethodOf(word))) methods.push_back(MethodOf(word));
+      if (has_maps || !NeedsMap(MethodOf(word))) methods.push_back(MethodOf(word));
   for (const std::string& method : methods)
-    if (UsesMap(method) && !has_maps)
+    if (NeedsMap(method) && !has_maps)
       throw Error("--map: " + method + " needs a map of every log", ErrorKind::kUsage);
 
   std::vector<ReplayResult> parts(methods.size() * signals.size());

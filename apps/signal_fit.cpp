@@ -123,7 +123,7 @@ int Run(const SignalFitCommand& command, const Console& console) {
   if (command.input.logs.size() != 1) throw Error("signal fit takes one log", ErrorKind::kUsage);
   const LoadedSignal signal = LoadSignals(command.input).front();
   if (signal.log.measurements.empty()) throw Error(signal.name + ": no measurement");
-  if (UsesMap(method) && !signal.map)
+  if (NeedsMap(method) && !signal.map)
     throw Error("--map: " + method + " needs the map that the log's positions are in",
                 ErrorKind::kUsage);
   if (graph != nullptr) return FitGraph(command, signal, *graph, console);
@@ -133,6 +133,7 @@ int Run(const SignalFitCommand& command, const Console& console) {
   About(signal.name, [&] {
     if (UsesMap(method)) predictor->SetMap(signal.map);
     predictor->AddMeasurements(signal.log.measurements);
+    predictor->Update(signal.log.measurements.back().link.time_s);
     return 0;
   });
   WriteFile(command.output, FormatMeasuredModel(method, options, signal.log));

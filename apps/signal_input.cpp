@@ -132,7 +132,9 @@ std::string MethodOf(const std::string& word) {
   return name;
 }
 
-bool UsesMap(const std::string& method) {
+bool UsesMap(const std::string& method) { return NeedsMap(method) || method == kBestMethod; }
+
+bool NeedsMap(const std::string& method) {
   return method.rfind("matte", 0) == 0 || method.rfind("one-attenuation", 0) == 0;
 }
 

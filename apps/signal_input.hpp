@@ -31,8 +31,9 @@ MethodOptions OptionsOf(const SignalChoosing& choosing);
 /// The name that MakePredictor knows: "best", "one" and "gp" are short for others.  Throws Error
 /// (kUsage).
 std::string MethodOf(const std::string& word);
-/// Whether a method predicts through a map.
+/// Whether a method predicts through a map, and whether it cannot without one.
 bool UsesMap(const std::string& method);
+bool NeedsMap(const std::string& method);
 
 /// "2s" or "2".  Throws Error (kUsage).
 double SecondsOf(const char* option, const std::string& text);

@@ -140,12 +140,10 @@ SignalModel MeasuredModel(const std::string& path, const std::string& text,
   const SignalLog log = ParseSignalLog(blanks + text.substr(begin + 1), path);
   model.radios = log.radios;
   model.predictor = MakePredictor(model.method, options);
-  if (UsesMap(model.method)) {
-    if (!map)
-      throw Error("--map: the model's method, " + model.method + ", predicts through a map",
-                  ErrorKind::kUsage);
-    model.predictor->SetMap(map);
-  }
+  if (NeedsMap(model.method) && !map)
+    throw Error("--map: the model's method, " + model.method + ", predicts through a map",
+                ErrorKind::kUsage);
+  if (UsesMap(model.method)) model.predictor->SetMap(map);
   model.predictor->AddMeasurements(log.measurements);
   if (!log.measurements.empty()) model.predictor->Update(log.measurements.back().link.time_s);
   model.noise_db = NoiseOf(model.method, options, *model.predictor);

@@ -28,7 +28,7 @@ int Run(const SignalTuneCommand& command, const Console& console) {
   const std::vector<LoadedSignal> signals = LoadSignals(command.input);
   for (const std::string& method : methods)
     for (const LoadedSignal& signal : signals)
-      if (UsesMap(method) && !signal.map)
+      if (NeedsMap(method) && !signal.map)
         throw Error("--map: " + method + " needs a map of " + signal.name, ErrorKind::kUsage);
 
   const Interruptible interruptible;

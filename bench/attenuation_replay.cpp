@@ -1,6 +1,8 @@
 // Signal strength predicted on recorded sets: the tables of docs/signal_evaluation.md.
-//   graticule_attenuation_replay [--data FOLDER] [--every N] [--forget] [--tune N] [--only NAME]...
-//       [--set kolak|kolak-test|grenoble|ikv3|ikv4|LOS_Set_A|...] [OPTION=NUMBER...] METHOD...
+//   graticule_attenuation_replay [--data FOLDER] [--every N] [--leave S] [--forget] [--tune N]
+//   [--only NAME]...
+//       [--set kolak|kolak-test|grenoble|ikv3|ikv4|LOS_Set_A|...|vehicles-empty|...]
+//       [OPTION=NUMBER...] METHOD...
 // --tune: searches each METHOD's parameters on the set, by at most N replays a method.
 
 #include <fmt/core.h>
@@ -34,17 +36,18 @@ void Set(const std::string& name, double value, MethodOptions* options) {
       continue;
     return;
   }
-  ResidualGpOptions& gp = options->residual_gp;
+  const std::string process = name.rfind("log-fit-gp.", 0) == 0 ? "log-fit-gp." : "gp.";
+  ResidualGpOptions& gp = process == "gp." ? options->residual_gp : options->log_fit_gp;
   GaussianProcessOptions& pair = options->pair_gp;
-  if (name == "gp.learn")
+  if (name == process + "learn")
     gp.learn = value != 0;
-  else if (name == "gp.newest")
+  else if (name == process + "newest")
     gp.newest = static_cast<std::size_t>(value);
-  else if (name == "gp.nearest")
+  else if (name == process + "nearest")
     gp.nearest = static_cast<std::size_t>(value);
-  else if (name == "gp.merge_m")
+  else if (name == process + "merge_m")
     gp.merge_m = value;
-  else if (name == "gp.radio_db")
+  else if (name == process + "radio_db")
     gp.radio_db = value;
   else if (name == "pair-gp.max_points")
     pair.max_points = static_cast<std::size_t>(value);
@@ -70,6 +73,10 @@ void PrintScores(const std::string& name, const ReplayResult& result) {
   fmt::print(" | {:.3f} {:.3f}", all.negative_log_likelihood, all.crps);
   for (const double share : all.coverage) fmt::print(" {:.3f}", share);
   fmt::print(" | {:.1f} {:.1f}\n", result.update_ms, result.predict_ms);
+  const std::vector<double> over_drives = RmseOverDrives(result);
+  fmt::print("{:<24}|", "  mean of its drives");
+  for (const std::size_t h : {0, 1, 2, 4, 9}) fmt::print(" {:.3f}", over_drives[h]);
+  fmt::print("\n");
   std::fflush(stdout);
 }
 
@@ -126,6 +133,7 @@ SignalSet Load(const std::string& set, const std::string& folder) {
   if (set == "grenoble") return LoadGrenoble(folder);
   if (set == "ikv3") return LoadIkv(folder, 3);
   if (set == "ikv4") return LoadIkv(folder, 4);
+  if (set.compare(0, 9, "vehicles-") == 0) return LoadVehicles(folder, set.substr(9));
   return LoadHarvard(folder, set);
 }
 
@@ -144,6 +152,8 @@ int Run(int argc, char** argv) {
       set = argv[++i];
     else if (word == "--every" && i + 1 < argc)
       options.every = static_cast<std::size_t>(std::max(1, std::atoi(argv[++i])));
+    else if (word == "--leave" && i + 1 < argc)
+      options.leave_s = std::atof(argv[++i]);
     else if (word == "--forget")
       options.forget_between_drives = true;
     else if (word == "--tune" && i + 1 < argc) {

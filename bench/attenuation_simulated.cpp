@@ -34,8 +34,8 @@ const Evaluation kEvaluations[] = {{{"nw2", "bbb3"}, {"eecs4", "dc1", "nw1"}},
 constexpr std::size_t kNear = 3;  // horizons of 2 s that tuning and the verdict look at
 
 struct Words {
-  double rate_hz = 4, seconds = 0;
-  std::size_t most = 120, threads = 2;
+  double rate_hz = 2, seconds = 0;
+  std::size_t most = 60, threads = 2;
   std::string state;
   std::vector<std::string> methods = {"log-fit", "persistence", "one-attenuation-a-class",
                                       "mrt",     "mrgp",        "matte"};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "graticule/io/file.hpp"
@@ -136,6 +137,23 @@ SignalSet LoadHarvard(const std::string& signal_folder, const std::string& room)
   SignalLogOptions options;
   options.sort = true;
   return {ParseSignalLog(text, name, options), nullptr};
+}
+
+SignalSet LoadVehicles(const std::string& signal_folder, const std::string& dump) {
+  const std::string name = signal_folder + "/rti_mobile_vdmeij/dump_" + dump + ".json";
+  const nlohmann::json packets = nlohmann::json::parse(ReadFile(name)).at("packets");
+  std::string text = "time,receiver,transmitter,rx_x,rx_y,tx_x,tx_y,dbm\n";
+  double time_s = 0;
+  for (const nlohmann::json& packet : packets) {  // [sender, its x, y, known; other's; strength]
+    time_s += 0.1;
+    if (!packet.at(3).get<bool>() || !packet.at(6).get<bool>()) continue;
+    const int sender = packet.at(0);
+    text += fmt::format("{:.1f},{},{},{},{},{},{},{}\n", time_s, 3 - sender, sender,
+                        packet.at(4).get<double>(), packet.at(5).get<double>(),
+                        packet.at(1).get<double>(), packet.at(2).get<double>(),
+                        packet.at(7).get<double>());
+  }
+  return {ParseSignalLog(text, name), nullptr};
 }
 
 }  // namespace graticule

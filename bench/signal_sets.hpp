@@ -27,5 +27,9 @@ SignalSet LoadGrenoble(const std::string& signal_folder);
 SignalSet LoadIkv(const std::string& signal_folder, int experiment);
 /// Robot to robot in one of harvard_wsr's five rooms ("LOS_Set_A", ...), in the order of time.
 SignalSet LoadHarvard(const std::string& signal_folder, const std::string& room);
+/// Two vehicles around a field of 19 x 19 units, taken as metres, of rti_mobile_vdmeij: "empty",
+/// "one_person_standing_center", ...  Packets whose ends are both known.  The log has no time: a
+/// packet counts as a tenth of a second, those of unknown ends as well.
+SignalSet LoadVehicles(const std::string& signal_folder, const std::string& dump);
 
 }  // namespace graticule

@@ -22,11 +22,24 @@ TomographyOptions MethodOptions::FineMrt() {
   return options;
 }
 
+ResidualGpOptions MethodOptions::LogFitGp() {
+  ResidualGpOptions options;
+  options.place.length_m = 6;
+  options.place_db = 5;
+  options.radio_db = 3;
+  return options;
+}
+
+ResidualGpOptions& MethodOptions::ResidualOf(const std::string& method) {
+  return method.rfind("log-fit+gp", 0) == 0 ? log_fit_gp : residual_gp;
+}
+
 const std::vector<std::string>& MethodNames() {
   static const std::vector<std::string> names = {
       "mean",    "log-fit",    "persistence", "one-attenuation-a-class",
       "mrt",     "matte",      "fine-mrt",    "mrgp",
-      "pair-gp", "log-fit+gp", "matte+gp",    "fine-mrt+gp"};
+      "pair-gp", "log-fit+gp", "matte+gp",    "fine-mrt+gp",
+      "combined"};
   return names;
 }
 
@@ -41,9 +54,19 @@ std::unique_ptr<SignalPredictor> MakePredictor(const std::string& name,
   if (name == "fine-mrt") return std::make_unique<Tomography>(options.fine_mrt);
   if (name == "mrgp") return std::make_unique<GaussianProcess>(options.mrgp);
   if (name == "pair-gp") return std::make_unique<GaussianProcess>(options.pair_gp);
+  if (name == "combined") {
+    const auto members = [&] {
+      Combination::Members all;
+      for (const char* member : {"log-fit+gp", "fine-mrt+gp", "matte+gp"})
+        all.push_back(MakePredictor(member, options));
+      return all;
+    };
+    return std::make_unique<Combination>(members(), members(), options.combination);
+  }
   const std::size_t mean = name.rfind("+gp");
   if (mean != std::string::npos && mean + 3 == name.size() && mean > 0) {
-    ResidualGpOptions residual = options.residual_gp;
+    MethodOptions copy = options;
+    ResidualGpOptions residual = copy.ResidualOf(name);
     residual.name = name;
     return std::make_unique<ResidualGp>(MakePredictor(name.substr(0, mean), options), residual);
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "graticule/problems/attenuation/combination.hpp"
 #include "graticule/problems/attenuation/gaussian_process.hpp"
 #include "graticule/problems/attenuation/predictor.hpp"
 #include "graticule/problems/attenuation/residual_gp.hpp"
@@ -24,16 +25,22 @@ struct MethodOptions {
   /// The mean under the best method: the map ignored as in MRT, but finer cells, held together.
   TomographyOptions fine_mrt = FineMrt();
   ResidualGpOptions residual_gp;
+  /// On the log-fit, which has no biases and leaves more over: of "log-fit+gp".
+  ResidualGpOptions log_fit_gp = LogFitGp();
+  CombinationOptions combination;
 
   static TomographyOptions FineMrt();
+  static ResidualGpOptions LogFitGp();
+  /// Those that a method ending in "+gp" takes.
+  ResidualGpOptions& ResidualOf(const std::string& method);
 };
 
 /// The method that predicts recorded sets best (docs/signal_evaluation.md).
-constexpr const char* kBestMethod = "fine-mrt+gp";
+constexpr const char* kBestMethod = "combined";
 
 /// The methods that MakePredictor knows: mean, log-fit, persistence, one-attenuation-a-class, mrt,
 /// matte, fine-mrt, mrgp, pair-gp; and any of them with "+gp" behind it, a ResidualGp on that mean.
-/// The list has log-fit+gp, matte+gp and fine-mrt+gp.
+/// The list has log-fit+gp, matte+gp and fine-mrt+gp; combined is a Combination of these three.
 const std::vector<std::string>& MethodNames();
 
 /// Throws Error (kUsage): no such method; options that do not hold.

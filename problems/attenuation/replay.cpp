@@ -98,10 +98,10 @@ ReplayResult Replay(const SignalLog& log,
   ReplayResult result;
   std::unique_ptr<SignalPredictor> predictor = make();
   result.method = predictor->Name();
-  std::size_t steps = 0, predicted_steps = 0;
+  std::size_t steps = 0, predicted_steps = 0, drive = 0;
   std::vector<SignalLink> links;
   std::vector<SignalPrediction> predictions;
-  for (std::size_t begin = 0, drive_end = 0; begin < all.size(); begin = drive_end) {
+  for (std::size_t begin = 0, drive_end = 0; begin < all.size(); begin = drive_end, ++drive) {
     for (drive_end = begin + 1; drive_end < all.size(); ++drive_end)
       if (all[drive_end].link.time_s - all[drive_end - 1].link.time_s > options.new_drive_s) break;
     if (options.forget_between_drives && begin > 0) predictor = make();
@@ -117,6 +117,7 @@ ReplayResult Replay(const SignalLog& log,
       result.update_ms += update.Elapsed().wall * 1e3;
       known = next;
       if (++steps % options.every != 0) continue;
+      if (now_s - all.front().link.time_s < options.leave_s) continue;
 
       const double end_s = now_s + options.horizons * options.step_s;
       links.clear();
@@ -128,7 +129,7 @@ ReplayResult Replay(const SignalLog& log,
       predictor->Predict(links, {predictions.data(), predictions.size()});
       result.predict_ms += predict.Elapsed().wall * 1e3;
       ++predicted_steps;
-      StepErrors errors{std::vector<double>(horizons.size()),
+      StepErrors errors{drive, std::vector<double>(horizons.size()),
                         std::vector<std::size_t>(horizons.size())};
       for (std::size_t i = 0; i < links.size(); ++i) {
         if (!all[next + i].is_heard) continue;
@@ -151,6 +152,26 @@ ReplayResult Replay(const SignalLog& log,
   result.update_ms /= static_cast<double>(std::max<std::size_t>(steps, 1));
   result.predict_ms /= static_cast<double>(std::max<std::size_t>(predicted_steps, 1));
   return result;
+}
+
+std::vector<double> RmseOverDrives(const ReplayResult& result) {
+  std::vector<double> means;
+  for (std::size_t h = 0; h < result.horizons.size(); ++h) {
+    double sum = 0, drives = 0;
+    for (std::size_t begin = 0, end = 0; begin < result.steps.size(); begin = end) {
+      double squares = 0, count = 0;
+      for (; end < result.steps.size() && result.steps[end].drive == result.steps[begin].drive;
+           ++end) {
+        squares += result.steps[end].squares[h];
+        count += static_cast<double>(result.steps[end].counts[h]);
+      }
+      if (count == 0) continue;
+      sum += std::sqrt(squares / count);
+      ++drives;
+    }
+    means.push_back(drives > 0 ? sum / drives : 0);
+  }
+  return means;
 }
 
 PairedDifference ComparePaired(const std::vector<ReplayResult>& method,

@@ -38,11 +38,13 @@ struct ReplayOptions {
       30;  ///< a pause this long ends a drive: a step before it predicts none after
   /// Learns each drive from nothing, by a fresh predictor.  Else what was learnt is kept.
   bool forget_between_drives = false;
+  double leave_s = 0;     ///< predicts nothing for so long after the first measurement
   std::size_t every = 1;  ///< predicts at each so many'th step only (updates at all of them)
 };
 
 /// One step's predictions, by horizon: their squared errors' sum [dB^2], and how many they are.
 struct StepErrors {
+  std::size_t drive = 0;
   std::vector<double> squares;
   std::vector<std::size_t> counts;
 };
@@ -63,6 +65,10 @@ struct ReplayResult {
 ReplayResult Replay(const SignalLog& log,
                     const std::function<std::unique_ptr<SignalPredictor>()>& make,
                     const ReplayOptions& options = {});
+
+/// Root mean squared error of each horizon [dB], the mean of the drives' own: all drives count
+/// alike, however long.
+std::vector<double> RmseOverDrives(const ReplayResult& result);
 
 /// By how much the mean squared error of one method is above another's [dB^2], with its standard
 /// error.

@@ -49,6 +49,25 @@ void AddClasses(const std::string& method, TomographyOptions MethodOptions::*opt
              [options, c](MethodOptions& o) -> double& { return (o.*options).classes[c].phi; }));
 }
 
+void AddResidual(const std::string& process, ResidualGpOptions MethodOptions::*of,
+                 std::vector<SignalSetting>* settings) {
+  const auto add = [&](const char* what, const char* summary, double lower, double upper,
+                       double step, double ResidualGpOptions::*member) {
+    settings->push_back(
+        Make((process + what).c_str(), summary, lower, upper, step,
+             [of, member](MethodOptions& o) -> double& { return (o.*of).*member; }));
+  };
+  add(".place_db", "deviation of what pairs of places have in common", 0.3, 15, 1,
+      &ResidualGpOptions::place_db);
+  settings->push_back(Make((process + ".place_m").c_str(), "over which they have it in common", 0.2,
+                           20, 0.5,
+                           [of](MethodOptions& o) -> double& { return (o.*of).place.length_m; }));
+  add(".link_db", "deviation of what a link has for a while", 0.3, 15, 1,
+      &ResidualGpOptions::link_db);
+  add(".link_s", "that while", 0.5, 120, 2, &ResidualGpOptions::link_s);
+  add(".noise_db", "deviation of one measurement", 0.5, 15, 0.5, &ResidualGpOptions::noise_db);
+}
+
 }  // namespace
 
 const std::vector<SignalSetting>& SignalSettings() {
@@ -63,16 +82,8 @@ const std::vector<SignalSetting>& SignalSettings() {
                        [](MethodOptions& o) -> double& { return o.mrgp.place.length_m; }));
     all.push_back(Make("persistence.decay_s", "in which a link's last residuals fade", 1, 300, 10,
                        [](MethodOptions& o) -> double& { return o.persistence_s; }));
-    all.push_back(Make("gp.place_db", "deviation of what pairs of places have in common", 0.3, 15,
-                       1, [](MethodOptions& o) -> double& { return o.residual_gp.place_db; }));
-    all.push_back(Make("gp.place_m", "over which they have it in common", 0.2, 20, 0.5,
-                       [](MethodOptions& o) -> double& { return o.residual_gp.place.length_m; }));
-    all.push_back(Make("gp.link_db", "deviation of what a link has for a while", 0.3, 15, 1,
-                       [](MethodOptions& o) -> double& { return o.residual_gp.link_db; }));
-    all.push_back(Make("gp.link_s", "that while", 0.5, 120, 2,
-                       [](MethodOptions& o) -> double& { return o.residual_gp.link_s; }));
-    all.push_back(Make("gp.noise_db", "deviation of one measurement", 0.5, 15, 0.5,
-                       [](MethodOptions& o) -> double& { return o.residual_gp.noise_db; }));
+    AddResidual("gp", &MethodOptions::residual_gp, &all);
+    AddResidual("log-fit-gp", &MethodOptions::log_fit_gp, &all);
     return all;
   }();
   return settings;
@@ -82,9 +93,16 @@ std::vector<const SignalSetting*> SettingsOf(const std::string& method) {
   std::vector<const SignalSetting*> found;
   const std::size_t plus = method.find("+gp");
   const std::string mean = method.substr(0, plus);
+  const std::string process = plus == std::string::npos ? ""
+                              : mean == "log-fit"       ? "log-fit-gp"
+                                                        : "gp";
+  const auto is_combined = [](const std::string& owner) {
+    return owner == "fine-mrt" || owner == "matte" || owner == "gp" || owner == "log-fit-gp";
+  };
   for (const SignalSetting& setting : SignalSettings()) {
     const std::string owner = setting.name.substr(0, setting.name.find('.'));
-    if (owner == mean || (plus != std::string::npos && owner == "gp")) found.push_back(&setting);
+    if (owner == mean || owner == process || (method == "combined" && is_combined(owner)))
+      found.push_back(&setting);
   }
   return found;
 }

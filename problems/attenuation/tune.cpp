@@ -124,6 +124,20 @@ CompassResult CompassSearch(const std::function<double(const std::vector<double>
         points.push_back(std::move(point));
       }
     evaluate(points);
+    // All gains at once: of each coordinate the better way, where there is one.
+    std::vector<double> together = result.best;
+    int gains = 0;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      const auto &up = points[2 * i], &down = points[2 * i + 1];
+      const auto& better = known.at(down) < known.at(up) ? down : up;
+      if (!(known.at(better) < result.value)) continue;
+      together[i] = better[i];
+      ++gains;
+    }
+    if (gains > 1) {
+      points.push_back(together);
+      evaluate({together});
+    }
     bool is_better = false;
     for (const auto& point : points)
       if (known.at(point) < result.value) {

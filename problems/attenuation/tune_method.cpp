@@ -46,20 +46,21 @@ void AddProcess(const std::string& name, GaussianProcessOptions MethodOptions::*
                   true, 1, 0.1, 50});
 }
 
-void AddResidual(const MethodOptions& options, Parameters* all) {
+void AddResidual(const std::string& name, ResidualGpOptions MethodOptions::*of,
+                 const MethodOptions& options, Parameters* all) {
   const auto add = [&](const std::string& what, double ResidualGpOptions::*member, double least,
                        double most) {
-    all->push_back({"gp." + what, [=](MethodOptions* o) { return &(o->residual_gp.*member); }, true,
+    all->push_back({name + "." + what, [=](MethodOptions* o) { return &((o->*of).*member); }, true,
                     1, least, most});
   };
   add("offset_db", &ResidualGpOptions::offset_db, 0.05, 20);
-  if (options.residual_gp.learn) return;
-  all->push_back({"gp.length_m", [](MethodOptions* o) { return &o->residual_gp.place.length_m; },
+  if ((options.*of).learn) return;
+  all->push_back({name + ".length_m", [=](MethodOptions* o) { return &(o->*of).place.length_m; },
                   true, 1, 0.05, 200});
   add("place_db", &ResidualGpOptions::place_db, 0.1, 30);
   add("link_db", &ResidualGpOptions::link_db, 0.1, 30);
   add("link_s", &ResidualGpOptions::link_s, 0.25, 600);
-  if (options.residual_gp.radio_db > 0) add("radio_db", &ResidualGpOptions::radio_db, 0.1, 30);
+  if ((options.*of).radio_db > 0) add("radio_db", &ResidualGpOptions::radio_db, 0.1, 30);
   add("noise_db", &ResidualGpOptions::noise_db, 0.3, 30);
 }
 
@@ -81,7 +82,11 @@ std::vector<MetaParameter> MetaParameters(const std::string& method, const Metho
   if (mean == "fine-mrt") AddTomography(mean, &MethodOptions::fine_mrt, options, &all);
   if (mean == "mrgp") AddProcess(mean, &MethodOptions::mrgp, options, &all);
   if (mean == "pair-gp") AddProcess(mean, &MethodOptions::pair_gp, options, &all);
-  if (mean != method) AddResidual(options, &all);
+  if (mean == method) return all;
+  if (mean == "log-fit")
+    AddResidual("log-fit-gp", &MethodOptions::log_fit_gp, options, &all);
+  else
+    AddResidual("gp", &MethodOptions::residual_gp, options, &all);
   return all;
 }
 

@@ -83,6 +83,30 @@ TEST(Replay, CoversWhatItSays) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(all.coverage[i], kCoverageLevels[i], 0.06);
 }
 
+TEST(Replay, ComparesMethodsInPairsAndDrivesAlike) {
+  const SignalLog log = TwoDrives();
+  const ReplayResult mean = Replay(log, [] { return MakePredictor("mean"); });
+  const ReplayResult fit = Replay(log, [] { return MakePredictor("log-fit"); });
+  for (const std::size_t h : {0, 5}) {
+    const PairedDifference difference = ComparePaired({mean}, {fit}, h, h + 1);
+    EXPECT_NEAR(difference.mse, mean.horizons[h].mse - fit.horizons[h].mse, 1e-9);
+    EXPECT_GT(difference.standard_error, 0);
+    EXPECT_EQ(ComparePaired({fit}, {fit}, h, h + 1).standard_error, 0);
+  }
+  EXPECT_THROW(ComparePaired({mean}, {fit, fit}, 0, 1), Error);
+  ReplayOptions options;
+  options.leave_s = 300;  // the whole first drive
+  const ReplayResult second = Replay(
+      log, [] { return MakePredictor("log-fit"); }, options);
+  EXPECT_NEAR(RmseOverDrives(second)[0], second.horizons[0].rmse, 1e-9);
+  const double first_count = static_cast<double>(fit.horizons[0].count - second.horizons[0].count);
+  const double first =
+      std::sqrt((fit.horizons[0].mse * static_cast<double>(fit.horizons[0].count) -
+                 second.horizons[0].mse * static_cast<double>(second.horizons[0].count)) /
+                first_count);
+  EXPECT_NEAR(RmseOverDrives(fit)[0], (first + second.horizons[0].rmse) / 2, 1e-9);
+}
+
 TEST(Crps, IsTheIntegralOfSquaredDifferences) {
   const SignalPrediction prediction{-60, 4};
   const double dbm = -57;

@@ -53,7 +53,8 @@ TEST(SimulateRadio, FallsWithTheExponentAndScattersWithTheShadowing) {
       const Eigen::Vector3d a(random.Uniform(1, 59), random.Uniform(1, 59), 0);
       const Eigen::Vector3d b(random.Uniform(1, 59), random.Uniform(1, 59), 0);
       if ((a - b).norm() < 20) continue;
-      const double expected = radio.l0_dbm - 20 * std::log10((a - b).norm());
+      const double expected =
+          radio.l0_dbm - 10 * FloorPlan::kIndoorExponent * std::log10((a - b).norm());
       const double shadow = world.MeanDbm(a, b, 0) - expected;
       EXPECT_NEAR(world.MeanDbm(b, a, 0) - expected, shadow, 1e-3);  // reciprocal
       sum += shadow;
