@@ -36,8 +36,8 @@ void Set(const std::string& name, double value, MethodOptions* options) {
       continue;
     return;
   }
-  const std::string process = name.rfind("log-fit-gp.", 0) == 0 ? "log-fit-gp." : "gp.";
-  ResidualGpOptions& gp = process == "gp." ? options->residual_gp : options->log_fit_gp;
+  const std::string process = name.rfind("fine-mrt-gp.", 0) == 0 ? "fine-mrt-gp." : "gp.";
+  ResidualGpOptions& gp = process == "gp." ? options->residual_gp : options->fine_mrt_gp;
   GaussianProcessOptions& pair = options->pair_gp;
   if (name == process + "learn")
     gp.learn = value != 0;

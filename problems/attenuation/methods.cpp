@@ -22,16 +22,16 @@ TomographyOptions MethodOptions::FineMrt() {
   return options;
 }
 
-ResidualGpOptions MethodOptions::LogFitGp() {
+ResidualGpOptions MethodOptions::FineMrtGp() {
   ResidualGpOptions options;
-  options.place.length_m = 6;
-  options.place_db = 5;
-  options.radio_db = 3;
+  // Tuned as the mean was.
+  options.place.length_m = 0.45;
+  options.place_db = 0.1;
+  options.link_db = 4;
+  options.link_s = 5;
+  options.offset_db = 0.05;
+  options.noise_db = 4.2;
   return options;
-}
-
-ResidualGpOptions& MethodOptions::ResidualOf(const std::string& method) {
-  return method.rfind("log-fit+gp", 0) == 0 ? log_fit_gp : residual_gp;
 }
 
 const std::vector<std::string>& MethodNames() {
@@ -65,10 +65,13 @@ std::unique_ptr<SignalPredictor> MakePredictor(const std::string& name,
   }
   const std::size_t mean = name.rfind("+gp");
   if (mean != std::string::npos && mean + 3 == name.size() && mean > 0) {
-    MethodOptions copy = options;
-    ResidualGpOptions residual = copy.ResidualOf(name);
+    auto under = MakePredictor(name.substr(0, mean), options);
+    ResidualGpOptions residual = name == "fine-mrt+gp" ? options.fine_mrt_gp : options.residual_gp;
+    const auto* tomography = dynamic_cast<const Tomography*>(under.get());
+    if (tomography != nullptr && tomography->Options().bias != RadioBias::kNone)
+      residual.radio_db = 0;
     residual.name = name;
-    return std::make_unique<ResidualGp>(MakePredictor(name.substr(0, mean), options), residual);
+    return std::make_unique<ResidualGp>(std::move(under), residual);
   }
   std::string list;
   for (const std::string& known : MethodNames()) list += (list.empty() ? "" : ", ") + known;

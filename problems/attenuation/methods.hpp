@@ -24,15 +24,14 @@ struct MethodOptions {
   GaussianProcessOptions pair_gp;
   /// The mean under the best method: the map ignored as in MRT, but finer cells, held together.
   TomographyOptions fine_mrt = FineMrt();
+  /// The process on top of a mean; its radio_db only where the mean has no biases of radios.
   ResidualGpOptions residual_gp;
-  /// On the log-fit, which has no biases and leaves more over: of "log-fit+gp".
-  ResidualGpOptions log_fit_gp = LogFitGp();
+  /// That on top of fine-mrt, which leaves little that places have in common.
+  ResidualGpOptions fine_mrt_gp = FineMrtGp();
   CombinationOptions combination;
 
   static TomographyOptions FineMrt();
-  static ResidualGpOptions LogFitGp();
-  /// Those that a method ending in "+gp" takes.
-  ResidualGpOptions& ResidualOf(const std::string& method);
+  static ResidualGpOptions FineMrtGp();
 };
 
 /// The method that predicts recorded sets best (docs/signal_evaluation.md).

@@ -83,7 +83,7 @@ const std::vector<SignalSetting>& SignalSettings() {
     all.push_back(Make("persistence.decay_s", "in which a link's last residuals fade", 1, 300, 10,
                        [](MethodOptions& o) -> double& { return o.persistence_s; }));
     AddResidual("gp", &MethodOptions::residual_gp, &all);
-    AddResidual("log-fit-gp", &MethodOptions::log_fit_gp, &all);
+    AddResidual("fine-mrt-gp", &MethodOptions::fine_mrt_gp, &all);
     return all;
   }();
   return settings;
@@ -97,7 +97,7 @@ std::vector<const SignalSetting*> SettingsOf(const std::string& method) {
                               : mean == "log-fit"       ? "log-fit-gp"
                                                         : "gp";
   const auto is_combined = [](const std::string& owner) {
-    return owner == "fine-mrt" || owner == "matte" || owner == "gp" || owner == "log-fit-gp";
+    return owner == "fine-mrt" || owner == "matte" || owner == "gp" || owner == "fine-mrt-gp";
   };
   for (const SignalSetting& setting : SignalSettings()) {
     const std::string owner = setting.name.substr(0, setting.name.find('.'));

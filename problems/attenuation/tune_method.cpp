@@ -83,8 +83,8 @@ std::vector<MetaParameter> MetaParameters(const std::string& method, const Metho
   if (mean == "mrgp") AddProcess(mean, &MethodOptions::mrgp, options, &all);
   if (mean == "pair-gp") AddProcess(mean, &MethodOptions::pair_gp, options, &all);
   if (mean == method) return all;
-  if (mean == "log-fit")
-    AddResidual("log-fit-gp", &MethodOptions::log_fit_gp, options, &all);
+  if (mean == "fine-mrt")
+    AddResidual("fine-mrt-gp", &MethodOptions::fine_mrt_gp, options, &all);
   else
     AddResidual("gp", &MethodOptions::residual_gp, options, &all);
   return all;

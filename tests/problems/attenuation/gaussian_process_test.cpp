@@ -159,6 +159,12 @@ TEST(ResidualGp, IsTheWholeProcessWhereAllPointsAreNear) {
   // With room for every point it is one exact process: the same by dense formulas.
   ResidualGpOptions options;
   options.learn = false;
+  options.place.length_m = 1.5;
+  options.place_db = 3;
+  options.link_db = 2;
+  options.link_s = 5;
+  options.offset_db = 1;
+  options.radio_db = 1.5;
   const double noise = options.noise_db * options.noise_db;
   options.newest = 500;
   options.nearest = 500;
@@ -171,7 +177,9 @@ TEST(ResidualGp, IsTheWholeProcessWhereAllPointsAreNear) {
   mean.Update(12);
   const auto kernel = [&](const SignalLink& a, const SignalLink& b) {
     const bool same = a.receiver == b.receiver && a.transmitter == b.transmitter;
-    return 9 * PairSimilarity(options.place, a, b) +
+    const int shared = (a.receiver == b.receiver) + (a.receiver == b.transmitter) +
+                       (a.transmitter == b.receiver) + (a.transmitter == b.transmitter);
+    return 9 * PairSimilarity(options.place, a, b) + 2.25 * shared +
            (same ? 1 + 4 * std::exp(-std::abs(a.time_s - b.time_s) / 5) : 0);
   };
   const auto links = LinksOf(measurements);
