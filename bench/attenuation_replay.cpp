@@ -39,9 +39,7 @@ void Set(const std::string& name, double value, MethodOptions* options) {
   const std::string process = name.rfind("fine-mrt-gp.", 0) == 0 ? "fine-mrt-gp." : "gp.";
   ResidualGpOptions& gp = process == "gp." ? options->residual_gp : options->fine_mrt_gp;
   GaussianProcessOptions& pair = options->pair_gp;
-  if (name == process + "learn")
-    gp.learn = value != 0;
-  else if (name == process + "newest")
+  if (name == process + "newest")
     gp.newest = static_cast<std::size_t>(value);
   else if (name == process + "nearest")
     gp.nearest = static_cast<std::size_t>(value);

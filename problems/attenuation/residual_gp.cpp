@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "graticule/problems/attenuation/log_fit.hpp"
-#include "graticule/problems/attenuation/tune.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -13,8 +12,6 @@ namespace {
 
 constexpr std::size_t kTogether = 32;  // predictions of a link that share their points
 constexpr double kTogether_m = 0.6;    // where their links are no further apart
-constexpr std::size_t kLearnAtLeast = 250;
-constexpr std::size_t kLearnBlocks = 8;  // of the points of one prediction each
 
 std::pair<std::uint32_t, std::uint32_t> RadiosOf(const SignalLink& link) {
   return std::minmax(link.receiver, link.transmitter);
@@ -272,79 +269,6 @@ void ResidualGp::PredictTogether(const std::uint32_t* chosen, std::size_t count,
     const double variance = Variance(links[q]) - cross.col(q).squaredNorm();
     predictions[q].sigma_db = std::sqrt(std::max(variance, 0.0) + Square(options_.noise_db));
   }
-}
-
-void ResidualGp::Learn() {
-  // Blocks of points as predictions take them, around points spread over the log.
-  std::vector<std::vector<std::uint32_t>> blocks(kLearnBlocks);
-  std::vector<std::uint32_t> distinct;
-  std::vector<std::pair<double, std::uint32_t>> heap;
-  for (std::size_t k = 0; k < kLearnBlocks; ++k) {
-    const std::size_t centre = (2 * k + 1) * points_.size() / (2 * kLearnBlocks);
-    const SignalLink& link = points_[centre].link;
-    const auto& own = of_link_.at(RadiosOf(link));
-    const auto place =
-        static_cast<std::size_t>(std::lower_bound(own.begin(), own.end(), centre) - own.begin());
-    const std::size_t from = place - std::min(place, options_.newest / 2);
-    std::vector<std::uint32_t>& block = blocks[k];
-    PointsFor(link, &heap, &block);
-    for (std::size_t i = from; i < std::min(own.size(), from + options_.newest); ++i)
-      block.push_back(own[i]);
-    std::sort(block.begin(), block.end());
-    block.erase(std::unique(block.begin(), block.end()), block.end());
-    distinct.insert(distinct.end(), block.begin(), block.end());
-  }
-  std::sort(distinct.begin(), distinct.end());
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  std::vector<double> residuals;
-  SetResiduals(distinct, &residuals);
-
-  struct Learnt {
-    double* value;
-    double least, most;
-  };
-  std::vector<Learnt> all = {{&options_.place.length_m, 0.1, 30},
-                             {&options_.place_db, 0.3, 20},
-                             {&options_.link_db, 0.3, 20},
-                             {&options_.link_s, 0.5, 120},
-                             {&options_.noise_db, 0.5, 20}};
-  if (options_.radio_db > 0) all.push_back({&options_.radio_db, 0.1, 20});
-  CompassOptions search;
-  search.first_step = 0.4;
-  search.last_step = 0.09;
-  search.max_evaluations = 120;
-  std::vector<double> start;
-  for (const Learnt& learnt : all) {
-    start.push_back(std::log(*learnt.value));
-    search.lower.push_back(std::log(learnt.least));
-    search.upper.push_back(std::log(learnt.most));
-  }
-  const auto take = [&](const std::vector<double>& logs) {
-    for (std::size_t i = 0; i < all.size(); ++i) *all[i].value = std::exp(logs[i]);
-  };
-  Workspace work;
-  const auto cost = [&](const std::vector<double>& logs) {
-    take(logs);
-    double sum = 0;
-    for (const std::vector<std::uint32_t>& block : blocks) {
-      if (!Factorise(block.data(), block.size(), &work)) return HUGE_VAL;
-      const auto size = static_cast<Eigen::Index>(block.size());
-      auto weights = work.weights.head(size);
-      for (Eigen::Index i = 0; i < size; ++i) weights[i] = residuals[block[i]];
-      const auto matrix = work.matrix.topLeftCorner(size, size);
-      matrix.triangularView<Eigen::Lower>().solveInPlace(weights);
-      sum += 0.5 * weights.squaredNorm() + matrix.diagonal().array().log().sum();
-    }
-    return sum;
-  };
-  take(CompassSearch(cost, start, search).best);
-}
-
-void ResidualGp::Update(double now_s) {
-  mean_->Update(now_s);
-  if (!options_.learn || points_.size() < std::max(kLearnAtLeast, 2 * learnt_at_)) return;
-  Learn();
-  learnt_at_ = points_.size();
 }
 
 }  // namespace graticule

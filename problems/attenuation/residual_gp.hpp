@@ -26,9 +26,6 @@ struct ResidualGpOptions {
   double offset_db = 2;
   double radio_db = 3;  ///< of each end; 0 where the mean has biases
   double noise_db = 3.53;
-  /// All that are above zero but offset_db, by marginal likelihood, as data doubles.  Of residuals
-  /// of a mean with many unknowns it learns too little noise (docs/signal_evaluation.md).
-  bool learn = false;
   /// Measurements of a link from nearly one place and time count as one point, of less noise: both
   /// ends within merge_m of the point's first ones, and within merge_s.
   double merge_m = 0.2, merge_s = 2;
@@ -50,7 +47,7 @@ class ResidualGp : public SignalPredictor {
 
   void SetMap(std::shared_ptr<const OccupancyGrid> map) override { mean_->SetMap(std::move(map)); }
   void AddMeasurements(Span<const SignalMeasurement> measurements) override;
-  void Update(double now_s) override;
+  void Update(double now_s) override { mean_->Update(now_s); }
   void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const override;
   std::string Name() const override { return options_.name; }
 
@@ -84,14 +81,12 @@ class ResidualGp : public SignalPredictor {
   void PredictTogether(const std::uint32_t* chosen, std::size_t count,
                        const std::vector<double>& residuals, Span<const SignalLink> links,
                        Workspace* work, Span<SignalPrediction> predictions) const;
-  void Learn();
 
   std::unique_ptr<SignalPredictor> mean_;
   ResidualGpOptions options_;
   std::vector<Point> points_;
   std::map<Radios, std::vector<std::uint32_t>> of_link_;  // indices into points_, in time's order
   LinkIndex index_;
-  std::size_t learnt_at_ = 0;
 };
 
 }  // namespace graticule

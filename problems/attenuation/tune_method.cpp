@@ -54,7 +54,6 @@ void AddResidual(const std::string& name, ResidualGpOptions MethodOptions::*of,
                     1, least, most});
   };
   add("offset_db", &ResidualGpOptions::offset_db, 0.05, 20);
-  if ((options.*of).learn) return;
   all->push_back({name + ".length_m", [=](MethodOptions* o) { return &(o->*of).place.length_m; },
                   true, 1, 0.05, 200});
   add("place_db", &ResidualGpOptions::place_db, 0.1, 30);

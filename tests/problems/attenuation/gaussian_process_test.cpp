@@ -158,7 +158,6 @@ TEST(GaussianProcess, LearnsTheNoise) {
 TEST(ResidualGp, IsTheWholeProcessWhereAllPointsAreNear) {
   // With room for every point it is one exact process: the same by dense formulas.
   ResidualGpOptions options;
-  options.learn = false;
   options.place.length_m = 1.5;
   options.place_db = 3;
   options.link_db = 2;
