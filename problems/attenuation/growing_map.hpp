@@ -27,6 +27,7 @@ class GrowingMap : public SignalPredictor {
     if (next_ > before) predictor_->SetMap(maps_[next_ - 1].map);
     predictor_->Update(now_s);
   }
+  void Expect(Span<const SignalLink> links) override { predictor_->Expect(links); }
   void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const override {
     predictor_->Predict(links, predictions);
   }

@@ -34,6 +34,11 @@ class SignalPredictor {
   /// Learns from what was added.  `now_s` is the time up to which measurements were taken.
   virtual void Update(double now_s) = 0;
 
+  /// These links will be predicted more than once: what can be done once for each of them is done
+  /// now, and kept until the next call, which may name many of them again.  Changes how long
+  /// predictions take, and nothing else.  Throws as Predict does.
+  virtual void Expect(Span<const SignalLink>) {}
+
   /// One prediction a link.  Before the first measurement: the prior, with its uncertainty.
   virtual void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const = 0;
 

@@ -296,8 +296,16 @@ void RayTracer::WalkCoarse(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_
   for (;;) {
     Axis& next = x.next < y.next ? x : y;
     const bool is_last = next.left == 0;
-    advance(is_last ? 1 : std::min(1.0, next.next));
-    AddPieces(static_cast<std::int32_t>(x.cell), static_cast<std::int32_t>(y.cell), length_m);
+    const double end = is_last ? 1 : std::min(1.0, next.next);
+    const auto cell_x = static_cast<std::int32_t>(x.cell),
+               cell_y = static_cast<std::int32_t>(y.cell);
+    if (runs_[run].end >= end) {  // one class: nothing to sort by class
+      if (end > at) pieces_.push_back({cell_x, cell_y, runs_[run].material, (end - at) * length_m});
+      at = std::max(at, end);
+    } else {
+      advance(end);
+      AddPieces(cell_x, cell_y, length_m);
+    }
     if (is_last) return;
     next.cell += next.step;
     --next.left;

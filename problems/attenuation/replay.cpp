@@ -126,6 +126,7 @@ ReplayResult Replay(const SignalLog& log,
         links.push_back(all[last].link);
       predictions.resize(links.size());
       const Stopwatch predict;
+      predictor->Expect(links);
       predictor->Predict(links, {predictions.data(), predictions.size()});
       result.predict_ms += predict.Elapsed().wall * 1e3;
       ++predicted_steps;

@@ -13,6 +13,7 @@ namespace {
 constexpr double kHighestDbm = 30, kLowestDbm = -200;
 constexpr std::int64_t kMostCells = 1 << 24;
 constexpr std::uint32_t kMostRadios = 1 << 20;
+constexpr std::size_t kSampledRows = 256;  // say how many lengths there will be
 
 std::string Where(const SignalLink& link) { return "at " + Shown(link.time_s) + " s: "; }
 
@@ -194,9 +195,14 @@ bool SignalRows::Trace() {
     cell_.clear();
     length_m_.clear();
     entries_ = 0;
-    for (SignalRow& row : rows_) {
-      row.size = 0;
-      TraceRow(&row, &tracer);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (i == kSampledRows) {  // copied once, not at each doubling
+        const std::size_t guess = cell_.size() / kSampledRows * rows_.size() * 5 / 4;
+        cell_.reserve(guess);
+        length_m_.reserve(guess);
+      }
+      rows_[i].size = 0;
+      TraceRow(&rows_[i], &tracer);
     }
   } else {
     for (const std::size_t i : changed_) TraceRow(&rows_[i], &tracer);

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "graticule/factors/normal_tail.hpp"
@@ -51,6 +50,7 @@ void Tomography::SetClassMap(std::shared_ptr<const ClassMap> map) {
     throw Error("a map of " + std::to_string(map->ClassCount()) + " classes; " +
                 std::to_string(options_.classes.size()) + " have a prior");
   rows_.SetMap(std::move(map));
+  book_.Clear();
 }
 
 void Tomography::AddMeasurements(Span<const SignalMeasurement> measurements) {
@@ -288,116 +288,6 @@ double Tomography::VarianceOf(std::size_t unknown) const {
   double sum = 0;
   for (const auto& lanes : lanes_) sum += static_cast<double>(lanes[unknown].square().mean());
   return lanes_.empty() ? 0 : sum / static_cast<double>(lanes_.size());
-}
-
-double Tomography::CellValue(std::uint32_t material, std::int32_t cell) const {
-  return cell >= 0 ? attenuation_[static_cast<std::size_t>(cell)]
-                   : options_.classes[material].rho_db_per_m;
-}
-
-double Tomography::ReceiverBiasDb(std::uint32_t radio) const {
-  const std::int32_t at = SignalSystem::ReceiverBias(options_.bias, radio);
-  return at >= 0 && static_cast<std::size_t>(at) < head_.size()
-             ? head_[static_cast<std::size_t>(at)]
-             : 0;
-}
-
-double Tomography::TransmitterBiasDb(std::uint32_t radio) const {
-  const std::int32_t at = SignalSystem::TransmitterBias(options_.bias, radio);
-  return at >= 0 && static_cast<std::size_t>(at) < head_.size()
-             ? head_[static_cast<std::size_t>(at)]
-             : 0;
-}
-
-void Tomography::Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const {
-  if (links.size() != predictions.size())
-    throw Error("as many predictions as links are expected", ErrorKind::kUsage);
-  RayTracer tracer = rows_.Tracer();
-  std::vector<std::pair<std::size_t, double>> terms;
-  const double noise = sigma_db_ * sigma_db_;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    const SignalLink& link = links[i];
-    rows_.CheckLink(link);
-    const double log_distance = rows_.LogDistance(link.receiver_m, link.transmitter_m);
-    double dbm = head_[0] - log_distance * head_[1];
-    double variance = 0;  // of noise 1, of what is not among the unknowns
-    terms.assign({{0, 1.0}, {1, -log_distance}});
-    if (options_.bias != RadioBias::kNone) {
-      for (const std::int32_t bias :
-           {SignalSystem::ReceiverBias(options_.bias, link.receiver),
-            SignalSystem::TransmitterBias(options_.bias, link.transmitter)}) {
-        const auto at = static_cast<std::size_t>(bias);
-        if (at < head_.size()) {
-          terms.emplace_back(at, 1.0);
-          dbm += head_[at];
-        } else {
-          variance += options_.bias_sigma_db * options_.bias_sigma_db / noise;
-        }
-      }
-    }
-    if (!options_.classes.empty()) {
-      for (const RayPiece& piece : tracer.Trace(link.receiver_m, link.transmitter_m)) {
-        const std::int32_t cell = cells_.Find(piece.material, piece.x, piece.y);
-        dbm -= piece.length_m * CellValue(piece.material, cell);
-        if (cell >= 0) {
-          terms.emplace_back(head_.size() + static_cast<std::size_t>(cell), -piece.length_m);
-        } else {
-          const double sigma = options_.sigma_db / options_.classes[piece.material].phi;
-          variance += piece.length_m * piece.length_m * sigma * sigma / noise;
-        }
-      }
-    }
-    if (is_exact_) {
-      for (const auto& [a, by_a] : terms)
-        for (const auto& [b, by_b] : terms)
-          variance +=
-              by_a * by_b * covariance_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-    } else if (!lanes_.empty()) {
-      double squares = 0;
-      for (const auto& lanes : lanes_) {
-        SignalSystem::Lanes sum = SignalSystem::Lanes::Zero();
-        for (const auto& [a, by_a] : terms) sum += static_cast<float>(by_a) * lanes[a];
-        squares += static_cast<double>(sum.square().mean());
-      }
-      variance += squares / static_cast<double>(lanes_.size());
-    }
-    predictions[i] = {dbm, std::sqrt(noise * (1 + variance))};
-  }
-}
-
-std::vector<CellAttenuation> Tomography::Cells() const {
-  std::vector<CellAttenuation> cells;
-  for (std::size_t i = 0; i < cells_.Count(); ++i)
-    cells.push_back(
-        {cells_.At(i), attenuation_[i], sigma_db_ * std::sqrt(VarianceOf(head_.size() + i))});
-  std::sort(cells.begin(), cells.end(), [](const CellAttenuation& a, const CellAttenuation& b) {
-    return std::tie(a.cell.material, a.cell.y, a.cell.x) <
-           std::tie(b.cell.material, b.cell.y, b.cell.x);
-  });
-  return cells;
-}
-
-double Tomography::AttenuationAt(std::uint32_t material, double x_m, double y_m) const {
-  const auto cell_of = [this](double at) {
-    return options_.cell_m > 0 ? static_cast<std::int32_t>(std::floor(at / options_.cell_m)) : 0;
-  };
-  return CellValue(material, cells_.Find(material, cell_of(x_m), cell_of(y_m)));
-}
-
-std::vector<std::string> Tomography::NotDetermined() const {
-  std::vector<std::string> names;
-  const auto name = [&](const char* what, std::size_t unknown) {
-    if (VarianceOf(unknown) * system_.PriorWeight(unknown) > 0.25)
-      names.push_back(std::string(what) + ": what was believed before is kept");
-  };
-  name("L0", 0);
-  name("slope", 1);
-  std::vector<bool> is_crossed(options_.classes.size(), false);
-  for (std::size_t i = 0; i < cells_.Count(); ++i) is_crossed[cells_.At(i).material] = true;
-  for (std::size_t c = 0; c < is_crossed.size(); ++c)
-    if (!is_crossed[c])
-      names.push_back("class " + options_.classes[c].name + ": no ray crosses it");
-  return names;
 }
 
 }  // namespace graticule

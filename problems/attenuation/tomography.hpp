@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "graticule/problems/attenuation/path_book.hpp"
 #include "graticule/problems/attenuation/predictor.hpp"
 #include "graticule/problems/attenuation/signal_rows.hpp"
 #include "graticule/problems/attenuation/signal_system.hpp"
@@ -41,6 +42,7 @@ class Tomography : public SignalPredictor {
 
   void AddMeasurements(Span<const SignalMeasurement> measurements) override;
   void Update(double now_s) override;
+  void Expect(Span<const SignalLink> links) override;
   void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const override;
   std::string Name() const override { return options_.name; }
 
@@ -78,11 +80,16 @@ class Tomography : public SignalPredictor {
   void UpdatePosterior(bool all);
   void InvertPosterior();
   void CountDegreesOfFreedom();
+  struct Terms;
+  SignalPrediction PredictPath(const SignalLink& link, double log_distance,
+                               const std::vector<RayPiece>& pieces, Terms* scratch) const;
+  double VarianceOf(const Terms& terms) const;   // noise 1
   double VarianceOf(std::size_t unknown) const;  // noise 1
   double CellValue(std::uint32_t material, std::int32_t cell) const;
 
   TomographyOptions options_;
   SignalRows rows_;
+  PathBook book_;
   SignalSystem system_;
   double sigma_db_, correlation_;
   // As the cells were at the last Update: what Predict uses until the next.
