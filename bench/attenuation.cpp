@@ -374,7 +374,9 @@ void MissionReplay(benchmark::State& state) {
     for (const auto& [a, b] : Rays(500, 60)) links.push_back({0, 0, 1, a, b});
     std::vector<SignalPrediction> left(links.size()), done(links.size());
     matte.Predict(links, {left.data(), left.size()});
-    Tomography whole(options);
+    TomographyOptions exactly = options;
+    exactly.exact_up_to = 3000;
+    Tomography whole(exactly);
     whole.SetMap(Street());
     whole.AddMeasurements(mission);
     whole.Update(1800);

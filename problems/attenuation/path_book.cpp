@@ -26,10 +26,14 @@ PathBook::Name PathBook::NameOf(const SignalLink& link) {
           {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()}};
 }
 
-std::size_t PathBook::Find(const SignalLink& link) const {
+std::size_t PathBook::Find(const SignalLink& link, std::size_t* next) const {
   if (numbers_.empty()) return kNone;
-  const auto found = numbers_.find(NameOf(link));
-  return found == numbers_.end() ? kNone : found->second;
+  const Name name = NameOf(link);
+  if (*next < order_.size() && entries_[order_[*next]].name == name) return order_[(*next)++];
+  const auto found = numbers_.find(name);
+  if (found == numbers_.end()) return kNone;
+  *next = entries_[found->second].turn + 1;
+  return found->second;
 }
 
 void PathBook::Clear() { *this = PathBook(); }
@@ -37,8 +41,11 @@ void PathBook::Clear() { *this = PathBook(); }
 void PathBook::Keep(Span<const SignalLink> links, const SignalRows& rows, bool with_pieces) {
   RayTracer tracer = rows.Tracer();
   ++keeps_;
+  std::vector<std::size_t> order;
+  order.reserve(links.size());
+  std::size_t next = 0;
   for (const SignalLink& link : links) {
-    std::size_t number = Find(link);
+    std::size_t number = Find(link, &next);
     if (number == kNone) {
       rows.CheckLink(link);
       if (free_.empty()) {
@@ -54,6 +61,7 @@ void PathBook::Keep(Span<const SignalLink> links, const SignalRows& rows, bool w
       numbers_.emplace(entry.name, number);
     }
     entries_[number].wanted = keeps_;
+    order.push_back(number);
   }
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     Entry& entry = entries_[i];
@@ -62,6 +70,8 @@ void PathBook::Keep(Span<const SignalLink> links, const SignalRows& rows, bool w
     entry.wanted = 0;
     free_.push_back(i);
   }
+  order_ = std::move(order);
+  for (std::size_t i = 0; i < order_.size(); ++i) entries_[order_[i]].turn = i;
 }
 
 }  // namespace graticule

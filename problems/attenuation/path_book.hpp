@@ -24,8 +24,9 @@ class PathBook {
   void Keep(Span<const SignalLink> links, const SignalRows& rows, bool with_pieces);
   void Clear();
 
-  /// The number of a link's path, below Count(); or kNone.
-  std::size_t Find(const SignalLink& link) const;
+  /// The number of a link's path, below Count(); or kNone.  `*next`, 0 at first and then left
+  /// alone, makes it quick for links that come in the order of the last Keep.
+  std::size_t Find(const SignalLink& link, std::size_t* next) const;
   std::size_t Count() const { return entries_.size(); }
   const Path& At(std::size_t number) const { return entries_[number].path; }
 
@@ -45,12 +46,14 @@ class PathBook {
     Path path;
     Name name = {};
     std::size_t wanted = 0;  // by which Keep last; 0: free
+    std::size_t turn = 0;    // the last time in order_
   };
   static Name NameOf(const SignalLink& link);
 
   std::unordered_map<Name, std::size_t, Hash> numbers_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> free_;
+  std::vector<std::size_t> order_;  // the last Keep's links
   std::size_t keeps_ = 0;
 };
 

@@ -402,34 +402,39 @@ void SignalSystem::Precondition(const std::vector<V>& r, std::vector<V>* z) cons
 
 template <class V>
 int SignalSystem::Solve(const std::vector<V>& b, double tolerance, int max_iterations,
-                        std::vector<V>* x) const {
-  std::vector<V> r, z = b, direction, product;
+                        std::vector<V>* x, LastStep<V>* last) const {
+  LastStep<V> none;
+  std::vector<V>& direction = (last ? last : &none)->direction;
+  std::vector<V>& product = (last ? last : &none)->product;
+  V zero;
+  SetZero(&zero);
+  direction.resize(b.size(), zero);
+  product.resize(b.size(), zero);
+  std::vector<V> r, z = b;
   Multiply(*x, &r);
   for (std::size_t i = 0; i < b.size(); ++i) r[i] = b[i] - r[i];
-  Precondition(r, &z);
-  direction = z;
-  V along = Dot(r, z);
+  V along_last = Dot(direction, product);
   int iteration = 0;
-  for (; iteration < max_iterations; ++iteration) {
-    if (!(Largest(along) > tolerance * tolerance)) break;
+  for (;; ++iteration) {
+    Precondition(r, &z);
+    if (iteration == max_iterations || !(Largest(Dot(r, z)) > tolerance * tolerance)) break;
+    const V turn = Ratio(Dot(z, product), along_last);
+    for (std::size_t i = 0; i < b.size(); ++i) direction[i] = z[i] - direction[i] * turn;
     Multiply(direction, &product);
-    const V step = Ratio(along, Dot(direction, product));
+    along_last = Dot(direction, product);
+    const V step = Ratio(Dot(r, direction), along_last);
     for (std::size_t i = 0; i < b.size(); ++i) {
       (*x)[i] += direction[i] * step;
       r[i] -= product[i] * step;
     }
-    Precondition(r, &z);
-    const V before = along;
-    along = Dot(r, z);
-    const V turn = Ratio(along, before);
-    for (std::size_t i = 0; i < b.size(); ++i) direction[i] = z[i] + direction[i] * turn;
   }
   return iteration;
 }
 
-template int SignalSystem::Solve(const std::vector<double>&, double, int,
-                                 std::vector<double>*) const;
-template int SignalSystem::Solve(const std::vector<Lanes>&, double, int, std::vector<Lanes>*) const;
+template int SignalSystem::Solve(const std::vector<double>&, double, int, std::vector<double>*,
+                                 LastStep<double>*) const;
+template int SignalSystem::Solve(const std::vector<Lanes>&, double, int, std::vector<Lanes>*,
+                                 LastStep<Lanes>*) const;
 
 void SignalSystem::Perturb(std::uint64_t seed, std::vector<Lanes>* b) const {
   const auto pull = [&](std::size_t row, double weight) -> Lanes {

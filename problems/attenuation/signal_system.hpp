@@ -36,6 +36,13 @@ class SignalSystem {
     SignalEquation before;  ///< weight 0: there was none
   };
 
+  /// The direction of conjugate gradients' last step, and N times it.  Unknowns that are new since
+  /// count as zero in it; where they were numbered anew it must be cleared.
+  template <class V>
+  struct LastStep {
+    std::vector<V> direction, product;
+  };
+
   /// Takes the rows as they are now.  `correlation` as in TomographyOptions; `now_s` for
   /// forgetting.  What it costs is of the rows that the last Trace traced, where nothing that all
   /// rows depend on has changed: the noise, the radios, the map, and no forgetting.
@@ -76,8 +83,11 @@ class SignalSystem {
   /// Conjugate gradients from x, until the preconditioned residual's norm is below `tolerance`
   /// (in noise: the change of all predictions together that is left is about that).  Returns the
   /// iterations made.
+  /// Where `last` is given, goes on from the direction of the call before, of nearly the same
+  /// system: a few iterations now and then get as far as if they had been made at a stretch.
   template <class V>
-  int Solve(const std::vector<V>& b, double tolerance, int max_iterations, std::vector<V>* x) const;
+  int Solve(const std::vector<V>& b, double tolerance, int max_iterations, std::vector<V>* x,
+            LastStep<V>* last = nullptr) const;
   const std::vector<double>& RightHandSide() const { return b_; }
 
   /// Sixteen right-hand sides whose solutions have the covariance N^-1 and mean zero (perturb and

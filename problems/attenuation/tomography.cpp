@@ -16,9 +16,9 @@ constexpr double kGrowth = 1.2;         // samples are drawn anew when rows have
 constexpr double kNoiseGrowth = 1.05;   // noise is estimated anew
 constexpr double kSampleGrowth = 1.01;  // sixteen samples are brought up to date
 constexpr int kSampleIterationsAnUpdate = 4;
-constexpr int kUpdatesASample = 4;        // an iteration of sixteen costs four of the mean's
-constexpr double kSampleTolerance = .03;  // of sums of about as many squares as there are unknowns
-constexpr int kSampleIterations = 60;
+constexpr int kUpdatesASample = 6;        // an iteration of sixteen costs four of the mean's
+constexpr double kSampleTolerance = .01;  // of sums of about as many squares as there are unknowns
+constexpr int kSampleIterations = 200;
 constexpr int kRounds = 6;
 constexpr double kHastyShare = .01;  // of all noise: enough to know the noise to 1e-4
 
@@ -94,6 +94,10 @@ void Tomography::TakeUnknowns(bool is_anew) {
     for (std::size_t i = 0; i < x_.size(); ++i)
       if (from[i] >= 0) lanes[i] = was[static_cast<std::size_t>(from[i])];
   }
+  if (is_anew || head != old_head) {
+    last_step_ = {};
+    last_lane_steps_.assign(last_lane_steps_.size(), {});
+  }
   head_.resize(head);
 }
 
@@ -162,7 +166,7 @@ void Tomography::SolveMean(double now_s, double tolerance, int most) {
       Linearise();
     }
     system_.Prepare();
-    last_iterations_ += system_.Solve(system_.RightHandSide(), tolerance, most, &x_);
+    last_iterations_ += system_.Solve(system_.RightHandSide(), tolerance, most, &x_, &last_step_);
     double moved = 0;
     for (std::size_t i = 0; i < x_.size(); ++i)
       moved = std::max(moved, std::abs(x_[i] - before[i]));
@@ -231,6 +235,7 @@ void Tomography::UpdatePosterior(bool all) {
   if (lanes_.size() != count) {
     lanes_.assign(count, std::vector<SignalSystem::Lanes>(size, SignalSystem::Lanes::Zero()));
     perturbed_.assign(count, {});
+    last_lane_steps_.assign(count, {});
     lane_size_.assign(count, 0);
     all = true;
   }
@@ -242,10 +247,10 @@ void Tomography::UpdatePosterior(bool all) {
     if (!all && entries < kSampleGrowth * lane_size_[at]) break;
     if (perturbed_[at].empty()) system_.Perturb(SeedOf(at), &perturbed_[at]);
     const int most = all ? kSampleIterations : kSampleIterationsAnUpdate;
-    // What is left to do is left to the next update.
     fresh_lane_ = at;
-    if (system_.Solve(perturbed_[at], tolerance, most, &lanes_[at]) == most && !all) break;
-    lane_size_[at] = entries;
+    // What is left to do is left to its next turn: none waits for one that is never done.
+    if (system_.Solve(perturbed_[at], tolerance, most, &lanes_[at], &last_lane_steps_[at]) < most)
+      lane_size_[at] = entries;
     next_lane_ = (at + 1) % count;
     if (!all) break;
   }

@@ -96,6 +96,7 @@ class Tomography : public SignalPredictor {
   AttenuationCells cells_;
   std::vector<double> head_, attenuation_;
   std::vector<double> x_;  // both
+  SignalSystem::LastStep<double> last_step_;
   int last_iterations_ = 0;
 
   // Posterior, of noise 1: a matrix, or samples.
@@ -103,7 +104,8 @@ class Tomography : public SignalPredictor {
   Eigen::MatrixXd covariance_;
   std::vector<std::vector<SignalSystem::Lanes>> lanes_;      // sixteen samples each
   std::vector<std::vector<SignalSystem::Lanes>> perturbed_;  // what they solve, or empty
-  std::vector<double> lane_size_;                            // entries at their last refresh
+  std::vector<SignalSystem::LastStep<SignalSystem::Lanes>> last_lane_steps_;
+  std::vector<double> lane_size_;  // entries at their last refresh
   std::size_t next_lane_ = 0, fresh_lane_ = 0, updates_ = 0;
   double degrees_of_freedom_ = 0;
 

@@ -73,7 +73,7 @@ struct TomographyOptions {
   int max_iterations = 1000;  ///< of a solve where much is new
   /// Of an Update where little is new, so that its time is bounded: what they leave is left to the
   /// next.
-  int update_iterations = 8;
+  int update_iterations = 5;
   int exact_up_to = 256;  ///< unknowns: up to so many the posterior is a matrix, above samples
   int samples = 64;       ///< of the posterior, a multiple of 16; 0: the noise alone
   std::uint64_t seed = 1;

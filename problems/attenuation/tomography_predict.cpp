@@ -7,20 +7,24 @@
 
 namespace graticule {
 
-/// What a prediction is made of.
+/// What a prediction is made of; its memory is used again.
 struct Tomography::Terms {
   std::vector<std::size_t> unknowns;
   std::vector<double> by;
+  std::size_t count = 0;
   double variance = 0;  // of noise 1, of what is not among the unknowns
 
-  void Clear() {
-    unknowns.clear();
-    by.clear();
+  void Clear(std::size_t most) {
+    count = 0;
     variance = 0;
+    if (unknowns.size() >= most) return;
+    unknowns.resize(most);
+    by.resize(most);
   }
   void Add(std::size_t unknown, double factor) {
-    unknowns.push_back(unknown);
-    by.push_back(factor);
+    unknowns[count] = unknown;
+    by[count] = factor;
+    ++count;
   }
 };
 
@@ -56,9 +60,10 @@ void Tomography::Predict(Span<const SignalLink> links, Span<SignalPrediction> pr
   // Both ways of a link are predicted alike where a radio's bias is the same in both.
   std::vector<std::size_t> predicted(options_.bias == RadioBias::kEnds ? 0 : book_.Count(),
                                      PathBook::kNone);
+  std::size_t next = 0;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const SignalLink& link = links[i];
-    const std::size_t number = book_.Find(link);
+    const std::size_t number = book_.Find(link, &next);
     if (number == PathBook::kNone) {
       rows_.CheckLink(link);
       predictions[i] = PredictPath(
@@ -81,7 +86,7 @@ SignalPrediction Tomography::PredictPath(const SignalLink& link, double log_dist
                                          const std::vector<RayPiece>& pieces,
                                          Terms* scratch) const {
   Terms& terms = *scratch;
-  terms.Clear();
+  terms.Clear(4 + pieces.size());  // path loss, two biases, cells
   const double noise = sigma_db_ * sigma_db_;
   terms.Add(0, 1);
   terms.Add(1, -log_distance);
@@ -104,11 +109,13 @@ SignalPrediction Tomography::PredictPath(const SignalLink& link, double log_dist
   }
   for (const RayPiece& piece : pieces) {
     const std::int32_t cell = cells_.Find(piece.material, piece.x, piece.y);
-    dbm -= piece.length_m * CellValue(piece.material, cell);
     if (cell >= 0) {
+      dbm -= piece.length_m * attenuation_[static_cast<std::size_t>(cell)];
       terms.Add(head_.size() + static_cast<std::size_t>(cell), -piece.length_m);
     } else {
-      const double sigma = options_.sigma_db / options_.classes[piece.material].phi;
+      const AttenuationClass& c = options_.classes[piece.material];
+      const double sigma = options_.sigma_db / c.phi;
+      dbm -= piece.length_m * c.rho_db_per_m;
       terms.variance += piece.length_m * piece.length_m * sigma * sigma / noise;
     }
   }
@@ -116,7 +123,7 @@ SignalPrediction Tomography::PredictPath(const SignalLink& link, double log_dist
 }
 
 double Tomography::VarianceOf(const Terms& terms) const {
-  const std::size_t count = terms.unknowns.size();
+  const std::size_t count = terms.count;
   if (is_exact_) {
     double variance = 0;
     for (std::size_t a = 0; a < count; ++a)
