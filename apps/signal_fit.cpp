@@ -49,8 +49,8 @@ int FitGraph(const SignalFitCommand& command, const LoadedSignal& signal,
   writing.binary = command.binary;
   if (!command.record.empty()) WriteProblem(command.record, recording, writing);
 
-  SolveOptions solving;
-  const Solution solution = Solve(recording.graph, solving, Watch(console, signal.name));
+  const Solution solution =
+      Solve(recording.graph, TomographySolving(), Watch(console, signal.name));
   console.Progress("");
   if (solution.report.termination == Termination::kFailed)
     throw Error(signal.name + ": " + solution.report.message, ErrorKind::kOther);

@@ -145,7 +145,8 @@ SignalModel MeasuredModel(const std::string& path, const std::string& text,
                 ErrorKind::kUsage);
   if (UsesMap(model.method)) model.predictor->SetMap(map);
   model.predictor->AddMeasurements(log.measurements);
-  if (!log.measurements.empty()) model.predictor->Update(log.measurements.back().link.time_s);
+  if (!log.measurements.empty()) model.now_s = log.measurements.back().link.time_s;
+  model.predictor->Update(model.now_s);
   model.noise_db = NoiseOf(model.method, options, *model.predictor);
   return model;
 }

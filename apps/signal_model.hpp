@@ -19,6 +19,7 @@ struct SignalModel {
   /// The same, where the model is a graph; else null.
   const FittedTomography* fitted = nullptr;
   double noise_db = 0;  ///< of one measurement
+  double now_s = 0;     ///< of the last measurement; 0 where the model is a graph, without time
 
   /// The number of a radio; of one that the model has never heard of one beyond all.
   std::uint32_t RadioOf(const std::string& name) const;

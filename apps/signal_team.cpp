@@ -126,8 +126,8 @@ int Run(const SignalWhereCommand& command, const Console&) {
       others_m.push_back(team.at_m[i]);
     }
   const std::vector<WorthwhilePlace> places = About(command.positions, [&] {
-    return WhereToMeasure(model.predictor.get(), model.noise_db, team.radios[robot], others,
-                          others_m, candidates, static_cast<std::size_t>(command.places));
+    return WhereToMeasure(model.predictor.get(), model.noise_db, model.now_s, team.radios[robot],
+                          others, others_m, candidates, static_cast<std::size_t>(command.places));
   });
   Json json = {{"schema", "graticule-signal-where/1"},
                {"robot", command.robot},

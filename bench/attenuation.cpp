@@ -201,7 +201,7 @@ void GraphSolve(benchmark::State& state) {
   TomographyOptions options;
   options.correlation = 0;
   const TomographyGraph built = BuildTomography(AnyMeasurements(10000), map, options);
-  SolveOptions solve;
+  SolveOptions solve = TomographySolving();
   solve.engine = static_cast<Engine>(state.range(0));
   solve.linear_solver = static_cast<LinearSolver>(state.range(1));
   int iterations = 0;

@@ -17,6 +17,19 @@ std::shared_ptr<const ClassMap> ClassesOf(const OccupancyGrid* map,
   return std::make_shared<const ClassMap>(*map, options.class_of);
 }
 
+constexpr int kRounds = 50;
+constexpr double kSmallStep = 1e-9;  // dB, dB/m
+
+/// -log Phi(z), of a packet not heard whose floor is z deviations above the prediction: slope
+/// -hazard and curvature by z, which is never quite 0 so that a row always has a weight.
+struct Tail {
+  double hazard, curvature;
+};
+Tail TailAt(double z) {
+  const double hazard = NormalHazard(z);
+  return {hazard, std::max(hazard * (hazard + z), 1e-12)};
+}
+
 double WeightOf(const NoiseView& noise, std::size_t component) {
   if (noise.kind != NoiseKind::kSigma || noise.values.empty()) return 1;
   const double sigma = noise.values[std::min(component, noise.values.size() - 1)];
@@ -81,11 +94,13 @@ FittedTomography::FittedTomography(const Graph& solved, FittedModel model)
   }
   const Values initial = solved.InitialValues();
   const std::vector<double>& values = initial.Data();
-  values_ =
+  solved_ =
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-  right_hand_side_ = Eigen::VectorXd::Zero(values_.size());
+  values_ = solved_;
   TakeFactors(solved);
-  Factorise();
+  solved_information_.resize(values_.size(), values_.size());
+  solved_information_.setFromTriplets(solved_triplets_.begin(), solved_triplets_.end());
+  Factorise(solved_triplets_);
 }
 
 void FittedTomography::TakeFactors(const Graph& graph) {
@@ -103,35 +118,34 @@ void FittedTomography::TakeFactors(const Graph& graph) {
         row.emplace_back(offset(k), -factor.measurement[first + k]);
       double weight = WeightOf(factor.noise, 0);
       if (!is_heard) {
-        // The second derivative of -log Phi((floor - prediction) / sigma).
         const double sigma = factor.measurement[1];
         double predicted = 0;
         for (const auto& [unknown, value] : row) predicted += value * values_[unknown];
-        const double z = (factor.measurement[0] - predicted) / sigma, hazard = NormalHazard(z);
-        weight *= hazard * (hazard + z) / (sigma * sigma);
+        weight *= TailAt((factor.measurement[0] - predicted) / sigma).curvature / (sigma * sigma);
       }
-      AddRow(row, weight);
+      AddTo(row, weight, &solved_triplets_);
     } else if (type == "attenuation_smooth/1") {
-      AddRow({{offset(0), 1}, {offset(1), -1}}, WeightOf(factor.noise, 0));
+      AddTo({{offset(0), 1}, {offset(1), -1}}, WeightOf(factor.noise, 0), &solved_triplets_);
     } else if (type == "path_loss_prior/1" || type == "radio_bias_prior/1" ||
                type == "attenuation_prior/1") {
       for (std::size_t k = 0; k < factor.measurement.size(); ++k)
-        AddRow({{offset(0) + static_cast<int>(k), 1}}, WeightOf(factor.noise, k));
+        AddTo({{offset(0) + static_cast<int>(k), 1}}, WeightOf(factor.noise, k), &solved_triplets_);
     } else {
       throw Error("a signal model has no factors of type " + type);
     }
   }
 }
 
-void FittedTomography::AddRow(const Row& row, double weight) {
+void FittedTomography::AddTo(const Row& row, double weight,
+                             std::vector<Eigen::Triplet<double>>* to) {
   for (const auto& [i, a] : row)
     for (const auto& [j, b] : row)
-      if (i >= j) triplets_.emplace_back(i, j, weight * a * b);
+      if (i >= j) to->emplace_back(i, j, weight * a * b);
 }
 
-void FittedTomography::Factorise() {
+void FittedTomography::Factorise(const std::vector<Eigen::Triplet<double>>& triplets) {
   Eigen::SparseMatrix<double> information(values_.size(), values_.size());
-  information.setFromTriplets(triplets_.begin(), triplets_.end());
+  information.setFromTriplets(triplets.begin(), triplets.end());
   factor_.compute(information);
   if (factor_.info() != Eigen::Success || (factor_.vectorD().array() <= 0).any())
     throw Error("the model does not determine its unknowns", ErrorKind::kIllPosed);
@@ -147,31 +161,42 @@ void FittedTomography::SetMap(std::shared_ptr<const OccupancyGrid> map) {
   if (auto classes = ClassesOf(map.get(), model_.options)) rows_.SetMap(std::move(classes));
 }
 
-FittedTomography::Traced FittedTomography::Trace(const SignalLink& link, RayTracer* tracer) const {
-  rows_.CheckLink(link);
+FittedTomography::Traced FittedTomography::TraceEnds(std::uint32_t receiver,
+                                                     std::uint32_t transmitter,
+                                                     double log_distance) const {
   Traced traced;
-  traced.row = {{path_loss_, 1},
-                {path_loss_ + 1, -rows_.LogDistance(link.receiver_m, link.transmitter_m)}};
+  traced.row = {{path_loss_, 1}, {path_loss_ + 1, -log_distance}};
   const double unheard_of = model_.options.bias_sigma_db * model_.options.bias_sigma_db;
   for (const auto& [radio, unknowns] :
-       {std::pair(link.receiver, &receiver_), std::pair(link.transmitter, &transmitter_)}) {
+       {std::pair(receiver, &receiver_), std::pair(transmitter, &transmitter_)}) {
     if (radio < unknowns->size())
       traced.row.emplace_back((*unknowns)[radio], 1);
     else if (model_.options.bias != RadioBias::kNone)
       traced.variance_db2 += unheard_of;
   }
-  if (model_.options.classes.empty()) return traced;
-  for (const RayPiece& piece : tracer->Trace(link.receiver_m, link.transmitter_m)) {
-    const AttenuationClass& c = model_.options.classes[piece.material];
-    const int unknown = Find(piece.material, piece.x, piece.y);
-    if (unknown >= 0) {
-      traced.row.emplace_back(unknown, -piece.length_m);
-    } else {
-      const double sigma = piece.length_m * model_.options.sigma_db / c.phi;
-      traced.offset_dbm -= piece.length_m * c.rho_db_per_m;
-      traced.variance_db2 += sigma * sigma;
-    }
+  return traced;
+}
+
+void FittedTomography::TraceCell(const AttenuationCell& cell, double length_m,
+                                 Traced* traced) const {
+  const int unknown = Find(cell.material, cell.x, cell.y);
+  if (unknown >= 0) {
+    traced->row.emplace_back(unknown, -length_m);
+    return;
   }
+  const AttenuationClass& c = model_.options.classes[cell.material];
+  const double sigma = length_m * model_.options.sigma_db / c.phi;
+  traced->offset_dbm -= length_m * c.rho_db_per_m;
+  traced->variance_db2 += sigma * sigma;
+}
+
+FittedTomography::Traced FittedTomography::Trace(const SignalLink& link, RayTracer* tracer) const {
+  rows_.CheckLink(link);
+  Traced traced = TraceEnds(link.receiver, link.transmitter,
+                            rows_.LogDistance(link.receiver_m, link.transmitter_m));
+  if (model_.options.classes.empty()) return traced;
+  for (const RayPiece& piece : tracer->Trace(link.receiver_m, link.transmitter_m))
+    TraceCell({piece.material, piece.x, piece.y}, piece.length_m, &traced);
   return traced;
 }
 
@@ -182,24 +207,48 @@ Eigen::VectorXd FittedTomography::Dense(const Row& row) const {
 }
 
 void FittedTomography::AddMeasurements(Span<const SignalMeasurement> measurements) {
-  RayTracer tracer = rows_.Tracer();
-  for (const SignalMeasurement& measurement : measurements) {
-    if (!measurement.is_heard) continue;
-    const Traced traced = Trace(measurement.link, &tracer);
-    const double weight = 1 / (SigmaDb() * SigmaDb() + traced.variance_db2);
-    const Eigen::VectorXd row = Dense(traced.row);
-    right_hand_side_ += weight * (measurement.dbm - traced.offset_dbm - row.dot(values_)) * row;
-    AddRow(traced.row, weight);
-    is_changed_ = true;
-  }
+  rows_.Add(measurements);
+  is_changed_ = true;
 }
 
 void FittedTomography::Update(double) {
   if (!is_changed_) return;
   is_changed_ = false;
-  Factorise();
-  values_ += factor_.solve(right_hand_side_);
-  right_hand_side_.setZero();
+  rows_.Trace();
+  const double correlation = std::max(0.0, model_.options.correlation);
+  std::vector<Traced> later;
+  for (std::size_t i = 0; i < rows_.Count(); ++i) {
+    const SignalRow& row = rows_.At(i);
+    later.push_back(TraceEnds(row.receiver, row.transmitter, row.log_distance));
+    for (std::size_t k = 0; k < row.size; ++k)
+      TraceCell(rows_.Cells().At(static_cast<std::size_t>(rows_.CellsOf(row)[k])),
+                rows_.LengthsOf(row)[k], &later.back());
+  }
+  // Newton's method: one step where all were heard.
+  for (int round = 0; round < (rows_.AllHeard() ? 1 : kRounds); ++round) {
+    std::vector<Eigen::Triplet<double>> triplets = solved_triplets_;
+    Eigen::VectorXd pull =
+        solved_information_.selfadjointView<Eigen::Lower>() * (solved_ - values_);
+    for (std::size_t i = 0; i < later.size(); ++i) {
+      const SignalRow& row = rows_.At(i);
+      const Traced& traced = later[i];
+      const double noise = SigmaDb() * SigmaDb() + traced.variance_db2;
+      const Eigen::VectorXd dense = Dense(traced.row);
+      const double off = row.dbm - traced.offset_dbm - dense.dot(values_);
+      double weight = row.count / (1 + (row.count - 1) * correlation) / noise, slope = weight * off;
+      if (!row.is_heard) {
+        const Tail tail = TailAt(off / std::sqrt(noise));
+        slope = -weight * std::sqrt(noise) * tail.hazard;
+        weight *= tail.curvature;
+      }
+      pull += slope * dense;
+      AddTo(traced.row, weight, &triplets);
+    }
+    Factorise(triplets);
+    const Eigen::VectorXd step = factor_.solve(pull);
+    values_ += step;
+    if (step.cwiseAbs().maxCoeff() < kSmallStep) break;
+  }
 }
 
 void FittedTomography::Predict(Span<const SignalLink> links,

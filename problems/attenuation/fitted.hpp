@@ -30,8 +30,9 @@ FittedGraph BuildFitted(const SignalLog& log, std::shared_ptr<const OccupancyGri
                         const TomographyOptions& options);
 
 /// Predicts by a solved graph of BuildTomography (thesis, Algorithm 3.2): means are its values,
-/// deviations its posterior, by a sparse Cholesky factorisation.  Learns what comes after it as
-/// single rows, linear in the same unknowns; cells the graph does not have stay as believed.
+/// deviations its posterior, by a sparse Cholesky factorisation.  Learns what comes after it in the
+/// same unknowns, by rows as Tomography has them, packets not heard among them; what the graph knew
+/// counts by its posterior.  Cells that the graph does not have stay as believed.
 class FittedTomography : public SignalPredictor {
  public:
   /// Throws Error (kInput): a factor type or a variable that no such graph has; one that does not
@@ -57,21 +58,24 @@ class FittedTomography : public SignalPredictor {
     double variance_db2 = 0;  ///< the same
   };
   void TakeFactors(const Graph& graph);
-  void AddRow(const Row& row, double weight);
+  static void AddTo(const Row& row, double weight, std::vector<Eigen::Triplet<double>>* to);
   int Find(std::uint32_t material, std::int32_t x, std::int32_t y) const;
+  Traced TraceEnds(std::uint32_t receiver, std::uint32_t transmitter, double log_distance) const;
+  void TraceCell(const AttenuationCell& cell, double length_m, Traced* traced) const;
   Traced Trace(const SignalLink& link, RayTracer* tracer) const;
   Eigen::VectorXd Dense(const Row& row) const;
-  void Factorise();
+  void Factorise(const std::vector<Eigen::Triplet<double>>& triplets);
 
   FittedModel model_;
-  SignalRows rows_;    // only for its map and distances
+  SignalRows rows_;    // what came after the graph
   int path_loss_ = 0;  // the first of its two unknowns
   std::int32_t x0_ = 0, y0_ = 0, columns_ = 0, lines_ = 0;
   std::vector<int> index_;                   // class by class, row by row: the unknown, or -1
   std::vector<int> receiver_, transmitter_;  // unknowns of radios
   bool is_changed_ = false;
-  std::vector<Eigen::Triplet<double>> triplets_;
-  Eigen::VectorXd values_, right_hand_side_;
+  std::vector<Eigen::Triplet<double>> solved_triplets_;  // the graph's information, the lower half
+  Eigen::SparseMatrix<double> solved_information_;       // the same
+  Eigen::VectorXd solved_, values_;                      // as the graph has them, and as they are
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
 };
 

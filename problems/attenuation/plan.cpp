@@ -109,24 +109,20 @@ TeamConnectivity Connect(const SignalPredictor& predictor, const std::vector<std
 }
 
 std::vector<WorthwhilePlace> WhereToMeasure(SignalPredictor* predictor, double noise_db,
-                                            std::uint32_t radio,
+                                            double now_s, std::uint32_t radio,
                                             const std::vector<std::uint32_t>& others,
                                             const std::vector<Eigen::Vector3d>& others_m,
-                                            const std::vector<Eigen::Vector3d>& candidates,
+                                            std::vector<Eigen::Vector3d> candidates,
                                             std::size_t count) {
   std::vector<SignalLink> links;
   for (const Eigen::Vector3d& at : candidates)
-    for (std::size_t i = 0; i < others.size(); ++i) {
-      SignalLink link;
-      link.receiver = radio;
-      link.transmitter = others[i];
-      link.receiver_m = at;
-      link.transmitter_m = others_m[i];
-      links.push_back(link);
-    }
+    for (std::size_t i = 0; i < others.size(); ++i)
+      links.push_back({now_s, radio, others[i], at, others_m[i]});
+  predictor->Expect(links);
   std::vector<WorthwhilePlace> chosen;
-  std::vector<SignalPrediction> predictions(links.size());
+  std::vector<SignalPrediction> predictions;
   while (chosen.size() < count && !candidates.empty()) {
+    predictions.resize(links.size());
     predictor->Predict(links, {predictions.data(), predictions.size()});
     WorthwhilePlace best;
     std::size_t best_at = 0;
@@ -149,7 +145,11 @@ std::vector<WorthwhilePlace> WhereToMeasure(SignalPredictor* predictor, double n
       imagined.push_back({links[k], predictions[k].dbm, true});
     }
     predictor->AddMeasurements(imagined);
-    predictor->Update(0);
+    predictor->Update(now_s);
+    const auto at = static_cast<std::ptrdiff_t>(best_at);
+    const auto size = static_cast<std::ptrdiff_t>(others.size());
+    candidates.erase(candidates.begin() + at);
+    links.erase(links.begin() + at * size, links.begin() + (at + 1) * size);
   }
   return chosen;
 }

@@ -37,13 +37,15 @@ struct WorthwhilePlace {
 
 /// Where a robot should measure next: candidates by information gain, 0.5 log(predicted variance /
 /// noise variance) summed over links to the others, the best first and each next one as if those
-/// before had been measured (greedy; Krause, Singh, Guestrin 2008).  `predictor` learns the
-/// imagined measurements: give it a copy.
+/// before had been measured (greedy; Krause, Singh, Guestrin 2008).  No candidate comes twice: what
+/// is to be learnt there is learnt while the robot is there.  `now_s`: the time of those
+/// measurements, not before those that `predictor` has learnt; it learns the imagined ones, so give
+/// it a copy.
 std::vector<WorthwhilePlace> WhereToMeasure(SignalPredictor* predictor, double noise_db,
-                                            std::uint32_t radio,
+                                            double now_s, std::uint32_t radio,
                                             const std::vector<std::uint32_t>& others,
                                             const std::vector<Eigen::Vector3d>& others_m,
-                                            const std::vector<Eigen::Vector3d>& candidates,
+                                            std::vector<Eigen::Vector3d> candidates,
                                             std::size_t count);
 
 }  // namespace graticule

@@ -163,6 +163,13 @@ TomographyGraph BuildTomography(Span<const SignalMeasurement> measurements,
   return built;
 }
 
+SolveOptions TomographySolving() {
+  SolveOptions options;
+  options.gradient_tolerance = 1e-8;
+  options.function_tolerance = 1e-15;  // the gradient decides
+  return options;
+}
+
 TomographyEstimate ReadBackTomography(const TomographyLayout& layout, const Values& values) {
   TomographyEstimate estimate;
   const Span<const double> path_loss = values.At(PathLossKey());

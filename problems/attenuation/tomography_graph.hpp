@@ -7,6 +7,7 @@
 #include "graticule/problems/attenuation/signal_rows.hpp"
 #include "graticule/problems/attenuation/tomography_options.hpp"
 #include "graticule/solver/graph.hpp"
+#include "graticule/solver/options.hpp"
 
 namespace graticule {
 
@@ -42,6 +43,11 @@ struct TomographyEstimate {
 TomographyGraph BuildTomography(Span<const SignalMeasurement> measurements,
                                 std::shared_ptr<const ClassMap> map,
                                 const TomographyOptions& options);
+
+/// How to solve such a graph: it is linear unless it has a loss or packets that were not heard, so
+/// one step is the solution, and a gradient of rounding errors must be seen to be that.  What is
+/// left of the gradient, 1e-8 / dB, moves no unknown by more than 1e-8 times its prior variance.
+SolveOptions TomographySolving();
 
 /// Throws Error (kUsage): values of another graph.
 TomographyEstimate ReadBackTomography(const TomographyLayout& layout, const Values& values);

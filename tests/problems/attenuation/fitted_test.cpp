@@ -13,6 +13,7 @@
 #include "graticule/problems/attenuation/tomography.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/solve.hpp"
+#include "predictions.hpp"
 
 namespace graticule {
 namespace {
@@ -97,14 +98,79 @@ TEST(Connect, CountsWaysToReachAll) {
   EXPECT_EQ(team.backbone, (std::vector<std::size_t>{0, 2}));
 }
 
+TEST(FittedTomography, LearnsFromWhatIsNotHeardLater) {
+  const auto fitted = Fit(TomographyOptions::Matte());
+  const SignalLink link = House().log.measurements.back().link;
+  const SignalPrediction before = test::Predicted(*fitted, {link})[0];
+  // Not above what was expected; a second time it is no news of the same size.
+  const SignalMeasurement silent{link, before.dbm - 3, false};
+  double last = before.dbm, moved = HUGE_VAL;
+  for (int time = 0; time < 3; ++time) {
+    fitted->AddMeasurements({&silent, 1});
+    fitted->Update(0);
+    const SignalPrediction after = test::Predicted(*fitted, {link})[0];
+    EXPECT_LT(after.dbm, last);
+    EXPECT_LT(last - after.dbm, moved);
+    EXPECT_LT(after.sigma_db, before.sigma_db);
+    moved = last - after.dbm;
+    last = after.dbm;
+  }
+  // A floor far above says nothing.
+  const auto other = Fit(TomographyOptions::Matte());
+  const SignalMeasurement idle{link, 25, false};
+  other->AddMeasurements({&idle, 1});
+  other->Update(0);
+  EXPECT_NEAR(test::Predicted(*other, {link})[0].dbm, before.dbm, 1e-6);
+}
+
+// What comes after the graph says the same as if it had been in it, but for cells the graph has
+// not, whose number is small: the second half of the log drives where the first did.
+TEST(FittedTomography, LearnsLaterWhatItWouldHaveLearntAtOnce) {
+  TomographyOptions options = TomographyOptions::OneAttenuationPerClass();
+  options.correlation = 0;
+  const auto& all = House().log.measurements;
+  const auto solved = [&](Span<const SignalMeasurement> measurements) {
+    const auto map = std::make_shared<const ClassMap>(*House().map, options.class_of);
+    TomographyGraph built = BuildTomography(measurements, map, options);
+    built.graph.SetValues(Solve(built.graph, TomographySolving()).values);
+    auto fitted = std::make_unique<FittedTomography>(built.graph,
+                                                     FittedModel{options, std::move(built.layout)});
+    fitted->SetMap(House().map);
+    return fitted;
+  };
+  const std::size_t half = all.size() / 2;
+  const auto whole = solved(all), first = solved({all.data(), half});
+  first->AddMeasurements({all.data() + half, all.size() - half});
+  first->Update(0);
+  for (std::size_t i = 0; i < all.size(); i += 37) {
+    const SignalPrediction one = test::Predicted(*whole, {all[i].link})[0];
+    const SignalPrediction two = test::Predicted(*first, {all[i].link})[0];
+    // The first half's packets not heard count by their curvature as it was then.
+    EXPECT_NEAR(one.dbm, two.dbm, 0.1);
+    EXPECT_NEAR(one.sigma_db, two.sigma_db, 0.02);
+  }
+}
+
 TEST(WhereToMeasure, GoesWhereLeastIsKnownAndNotTwice) {
   const auto fitted = Fit(TomographyOptions::Matte());
   const std::vector<Eigen::Vector3d> candidates = {{2, 2, 0}, {2.1, 2, 0}, {14, 10, 0}};
   const std::vector<WorthwhilePlace> places =
-      WhereToMeasure(fitted.get(), fitted->SigmaDb(), 0, {1}, {{8, 3, 0}}, candidates, 3);
+      WhereToMeasure(fitted.get(), fitted->SigmaDb(), 0, 0, {1}, {{8, 3, 0}}, candidates, 5);
   ASSERT_EQ(places.size(), 3u);
   EXPECT_GT(places[0].gain_nats, 0);
   EXPECT_GE(places[0].gain_nats, places[1].gain_nats);
+  EXPECT_GE(places[1].gain_nats, places[2].gain_nats);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = i + 1; k < 3; ++k) EXPECT_NE(places[i].at_m, places[k].at_m);
+}
+
+// Even of a method whose deviations do not fall by what it learns.
+TEST(WhereToMeasure, NamesNoPlaceTwiceWhateverTheMethodKnows) {
+  Known known;
+  const std::vector<WorthwhilePlace> places =
+      WhereToMeasure(&known, 4, 0, 0, {1}, {{8, 3, 0}}, {{0, 0, 0}, {1, 0, 0}}, 2);
+  ASSERT_EQ(places.size(), 2u);
+  EXPECT_NE(places[0].at_m, places[1].at_m);
 }
 
 TEST(SignalSettings, AreFoundByNameAndKeepWhatWasSet) {

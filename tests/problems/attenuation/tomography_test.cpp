@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -129,10 +130,14 @@ void ExpectAsSolved(TomographyOptions options, const std::vector<SignalMeasureme
   online.Update(measurements.back().link.time_s);
   const auto map = std::make_shared<const ClassMap>(*Room(), options.class_of);
   const TomographyGraph built = BuildTomography(measurements, map, options);
-  SolveOptions solve;
+  SolveOptions solve = TomographySolving();
   solve.engine = Engine::kCeres;
-  solve.function_tolerance = 1e-15;
   const Solution solution = Solve(built.graph, solve);
+  const bool is_linear = std::all_of(measurements.begin(), measurements.end(),
+                                     [](const SignalMeasurement& m) { return m.is_heard; });
+  if (is_linear && options.loss.kind == LossKind::kNone) {
+    EXPECT_EQ(solution.report.iterations.size(), 2u) << "the start, and one step";
+  }
   const TomographyEstimate estimate = ReadBackTomography(built.layout, solution.values);
   EXPECT_NEAR(online.L0Dbm(), estimate.l0_dbm, 1e-6);
   EXPECT_NEAR(online.SlopeDb(), estimate.slope_db, 1e-6);
