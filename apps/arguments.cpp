@@ -27,15 +27,14 @@ void AddReading(CLI::App* sub, Reading* reading) {
                 "are, and say how many");
 }
 
-namespace {
-
-void AddChoosing(CLI::App* sub, Choosing* choosing) {
-  sub->add_option("-c,--config", choosing->config,
-                  "a ready configuration (`graticule options`) or a YAML file");
-  sub->add_option("-s,--set", choosing->settings, "one option; may be repeated")
+void AddChoosing(CLI::App* sub, Choosing* choosing, const char* config, const char* setting) {
+  sub->add_option("-c,--config", choosing->config, config);
+  sub->add_option("-s,--set", choosing->settings, setting)
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
 }
+
+namespace {
 
 void AddComparing(CLI::App* sub, Comparing* comparing) {
   sub->add_option(
@@ -91,7 +90,8 @@ void AddSolve(CLI::App* app, Chosen* chosen) {
       ->allow_extra_args(false);
   sub->add_flag("--drop-rejected", command->drop_rejected,
                 "write the solved problem without the rejected factors");
-  AddChoosing(sub, &command->choosing);
+  AddChoosing(sub, &command->choosing, "a ready configuration (`graticule options`) or a YAML file",
+              "one option; may be repeated");
   AddComparing(sub, &command->comparing);
   AddReading(sub, &command->reading);
 }

@@ -28,6 +28,8 @@ CLI::App* AddCommand(CLI::App* app, const char* name, const char* what, const ch
 
 /// The words that say how files are read.
 void AddReading(CLI::App* sub, Reading* reading);
+/// Which configuration and what is changed in it, in these words.
+void AddChoosing(CLI::App* sub, Choosing* choosing, const char* config, const char* setting);
 
 /// `graticule calibrate` and what is below it.
 void AddCalibrate(CLI::App* app, Chosen* chosen);

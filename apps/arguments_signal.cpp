@@ -29,12 +29,9 @@ void AddInput(CLI::App* sub, SignalInput* input) {
       ->capture_default_str();
 }
 
-void AddSettings(CLI::App* sub, SignalChoosing* choosing) {
-  sub->add_option("-c,--config", choosing->config,
-                  "the methods' numbers: YAML, as signal tune writes (docs/signal.md)");
-  sub->add_option("-s,--set", choosing->settings, "one of them, matte.lambda=2; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
+void AddSettings(CLI::App* sub, Choosing* choosing) {
+  AddChoosing(sub, choosing, "the methods' numbers: YAML, as signal tune writes (docs/signal.md)",
+              "one of them, matte.lambda=2; may be repeated");
 }
 
 void AddModel(CLI::App* sub, std::string* model, std::string* map) {

@@ -18,8 +18,8 @@ struct Reading {
 
 /// Which configuration, and what is changed in it.
 struct Choosing {
-  std::string config;                 ///< "" or a name or a file
-  std::vector<std::string> settings;  ///< "threads=2"
+  std::string config;                 ///< "" or a file or, of solving, a name
+  std::vector<std::string> settings;  ///< "threads=2", "matte.lambda=2"
 };
 
 /// What solutions are compared with.
@@ -214,15 +214,9 @@ struct SignalInput {
   double rate_hz = 0;  ///< of each link at most; 0: all
 };
 
-/// Numbers of the methods' options.
-struct SignalChoosing {
-  std::string config;                 ///< "" or YAML, as tune writes
-  std::vector<std::string> settings;  ///< "matte.lambda=2"
-};
-
 struct SignalFitCommand {
   SignalInput input;
-  SignalChoosing choosing;
+  Choosing choosing;
   std::string method = "best", output, record;
   bool binary = false, json = false;
 };
@@ -241,7 +235,7 @@ struct SignalDrawCommand {
 
 struct SignalEvaluateCommand {
   SignalInput input;
-  SignalChoosing choosing;
+  Choosing choosing;
   std::vector<std::string> methods;
   std::string every = "2s";
   int horizons = 10;
@@ -253,7 +247,7 @@ struct SignalEvaluateCommand {
 
 struct SignalTuneCommand {
   SignalInput input;
-  SignalChoosing choosing;
+  Choosing choosing;
   std::vector<std::string> methods = {"mrt", "matte", "mrgp"};
   std::string every = "2s", output;
   int horizons = 3, predict_every = 1, threads = 2, most = 200;

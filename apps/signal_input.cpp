@@ -98,7 +98,7 @@ std::vector<LoadedSignal> LoadSignals(const SignalInput& input) {
   return signals;
 }
 
-MethodOptions OptionsOf(const SignalChoosing& choosing) {
+MethodOptions OptionsOf(const Choosing& choosing) {
   MethodOptions options;
   const auto set = [&](const std::string& name, const std::string& text) {
     double value = 0;

@@ -26,7 +26,7 @@ std::shared_ptr<const OccupancyGrid> LoadMap(const std::string& path);
 
 /// The methods' options with the words applied.  Throws Error: a name that is none, a value that is
 /// no number.
-MethodOptions OptionsOf(const SignalChoosing& choosing);
+MethodOptions OptionsOf(const Choosing& choosing);
 
 /// The name that MakePredictor knows: "best", "one" and "gp" are short for others.  Throws Error
 /// (kUsage).
