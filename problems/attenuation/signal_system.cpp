@@ -1,25 +1,13 @@
 #include "graticule/problems/attenuation/signal_system.hpp"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
-#include <tuple>
-#include <utility>
+
+#include "graticule/problems/attenuation/signal_system_parts.hpp"
 
 namespace graticule {
 namespace {
 
 using Lanes = SignalSystem::Lanes;
-
-constexpr std::int32_t kBlock = 4;  // cells, a side of a block that moves together
-constexpr std::size_t kMostBlocks = 256;
-
-double Scalar(double, double value) { return value; }
-float Scalar(const Lanes&, double value) { return static_cast<float>(value); }
-void SetZero(double* v) { *v = 0; }
-void SetZero(Lanes* v) { v->setZero(); }
 
 double Ratio(double a, double b) { return b > 0 ? a / b : 0; }
 Lanes Ratio(const Lanes& a, const Lanes& b) { return (b > 0).select(a / b, Lanes::Zero()); }
@@ -32,40 +20,6 @@ V Dot(const std::vector<V>& a, const std::vector<V>& b) {
   SetZero(&sum);
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
   return sum;
-}
-
-template <class V>
-std::vector<V> Zeros(std::size_t size) {
-  V zero;
-  SetZero(&zero);
-  return std::vector<V>(size, zero);
-}
-
-std::vector<double> Moved(const Eigen::MatrixXf& by, const std::vector<double>& sums) {
-  const Eigen::Map<const Eigen::VectorXd> all(sums.data(), by.rows());
-  const Eigen::VectorXf moved = by * all.cast<float>();
-  return {moved.data(), moved.data() + moved.size()};
-}
-std::vector<Lanes> Moved(const Eigen::MatrixXf& by, const std::vector<Lanes>& sums) {
-  using Columns = Eigen::Matrix<float, Eigen::Dynamic, 16, Eigen::RowMajor>;
-  std::vector<Lanes> moved = sums;
-  Eigen::Map<Columns>(moved[0].data(), by.rows(), 16).noalias() =
-      by * Eigen::Map<const Columns>(sums[0].data(), by.rows(), 16);
-  return moved;
-}
-
-/// Sixteen signs (Steele, Lea, Flood 2014, as in problems/random.hpp) for one term.
-Lanes Signs(std::uint64_t seed, std::uint64_t kind, std::uint64_t index) {
-  std::uint64_t z = seed * 0x9e3779b97f4a7c15u + kind * 0xd1342543de82ef95u + index + 1;
-  for (int i = 0; i < 2; ++i) {
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
-    z += 0x9e3779b97f4a7c15u;
-  }
-  Lanes signs;
-  for (int lane = 0; lane < 16; ++lane) signs[lane] = (z >> (lane + 20)) & 1 ? 1.f : -1.f;
-  return signs;
 }
 
 }  // namespace
@@ -137,22 +91,6 @@ void SignalSystem::Set(const SignalRows& rows, double sigma_db, double correlati
   AddPriors(cells_before_, head_ + cells_before_);
 }
 
-/// Adds a row's terms, times `pull`.
-template <class V>
-void SignalSystem::AddTerms(const SignalEquation& row, const V& pull, std::vector<V>* to) const {
-  std::vector<V>& sums = *to;
-  sums[0] += pull;
-  sums[1] -= pull * Scalar(pull, row.log_distance);
-  if (row.receiver >= 0) {
-    sums[static_cast<std::size_t>(row.receiver)] += pull;
-    sums[static_cast<std::size_t>(row.transmitter)] += pull;
-  }
-  const std::int32_t* cell = rows_->CellsOf(SignalRow{}) + row.first;
-  const double* length = rows_->LengthsOf(SignalRow{}) + row.first;
-  for (std::size_t k = 0; k < row.size; ++k)
-    sums[head_ + static_cast<std::size_t>(cell[k])] -= pull * Scalar(pull, length[k]);
-}
-
 void SignalSystem::AddToSums(const SignalEquation& row, double sign) {
   AddTerms(row, sign * row.weight * row.target_dbm, &b_);
   const std::int32_t* cell = rows_->CellsOf(SignalRow{}) + row.first;
@@ -160,25 +98,6 @@ void SignalSystem::AddToSums(const SignalEquation& row, double sign) {
   for (std::size_t k = 0; k < row.size; ++k)
     diagonal_[head_ + static_cast<std::size_t>(cell[k])] +=
         sign * row.weight * length[k] * length[k];
-}
-
-/// Calls f(first, second, which) for neighbours of whom one is a cell numbered `from` or above;
-/// `which` is 1 where the second is to the right of the first, 2 where it is above.
-template <class F>
-void SignalSystem::ForNewPairs(std::size_t from, const F& f) const {
-  const AttenuationCells& cells = rows_->Cells();
-  for (std::size_t i = from; i < cells.Count(); ++i) {
-    const AttenuationCell& cell = cells.At(i);
-    const std::int32_t ahead[] = {cells.Right(i), cells.Up(i)};
-    const std::int32_t behind[] = {cells.Find(cell.material, cell.x - 1, cell.y),
-                                   cells.Find(cell.material, cell.x, cell.y - 1)};
-    for (std::uint64_t k = 0; k < 2; ++k) {
-      if (ahead[k] >= 0) f(i, static_cast<std::size_t>(ahead[k]), k + 1);
-      // Of a new one it was that one's neighbour ahead.
-      if (behind[k] >= 0 && static_cast<std::size_t>(behind[k]) < from)
-        f(static_cast<std::size_t>(behind[k]), i, k + 1);
-    }
-  }
 }
 
 /// Smoothness and priors of cells from one on, priors of unknowns from another on.
@@ -283,123 +202,6 @@ void SignalSystem::Multiply(const std::vector<V>& x, std::vector<V>* y) const {
   for (std::size_t i = 0; i < x.size(); ++i) to[i] += x[i] * Scalar(unit, prior_[i]);
 }
 
-void SignalSystem::Prepare() {
-  const AttenuationCells& cells = rows_->Cells();
-  if (!has_sums_ || is_altered_) {
-    b_.assign(Size(), 0);
-    diagonal_.assign(Size(), 0);
-    for (const SignalEquation& row : equations_) AddToSums(row, 1);
-    AddPriors(0, 0);
-    has_sums_ = true;
-  }
-  inverse_diagonal_.resize(Size());
-  for (std::size_t i = 0; i < Size(); ++i) inverse_diagonal_[i] = 1 / diagonal_[i];
-  // A preconditioner need not be of the latest rows; it must fit the unknowns.
-  const std::size_t size = rows_->EntryCount() + equations_.size();
-  if (coarse_at_head_ != head_ || coarse_at_cells_ > cells.Count() || size < coarse_at_entries_ ||
-      10 * size > 13 * coarse_at_entries_) {
-    MakeCoarse();
-    coarse_at_entries_ = size;
-  } else if (block_of_.size() < cells.Count()) {
-    block_of_.resize(cells.Count(), -1);
-  }
-}
-
-void SignalSystem::MakeCoarse() {
-  const AttenuationCells& cells = rows_->Cells();
-  coarse_at_head_ = head_;
-  coarse_at_cells_ = cells.Count();
-  std::size_t blocks = 0;
-  for (std::int32_t side = kBlock;; side *= 2) {
-    std::map<std::tuple<std::uint32_t, std::int32_t, std::int32_t>, std::int32_t> found;
-    block_of_.resize(cells.Count());
-    const auto floored = [side](std::int32_t v) {
-      return v >= 0 ? v / side : -((-v - 1) / side) - 1;
-    };
-    for (std::size_t i = 0; i < cells.Count(); ++i) {
-      const AttenuationCell& cell = cells.At(i);
-      const auto key = std::make_tuple(cell.material, floored(cell.x), floored(cell.y));
-      block_of_[i] = found.emplace(key, static_cast<std::int32_t>(found.size())).first->second;
-    }
-    blocks = found.size();
-    if (blocks <= kMostBlocks || side > (1 << 28)) break;
-  }
-  const Eigen::MatrixXd coarse = Condensed(block_of_, blocks);
-  const Eigen::MatrixXd inverse =
-      coarse.llt().solve(Eigen::MatrixXd::Identity(coarse.rows(), coarse.cols()));
-  coarse_inverse_ = (.5 * (inverse + inverse.transpose())).cast<float>();
-}
-
-Eigen::MatrixXd SignalSystem::Condensed(const std::vector<std::int32_t>& block_of,
-                                        std::size_t blocks) const {
-  const AttenuationCells& cells = rows_->Cells();
-  const auto size = static_cast<Eigen::Index>(head_ + blocks);
-  Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(size, size);
-  std::vector<std::pair<Eigen::Index, double>> terms;
-  for (const SignalEquation& row : equations_) {
-    terms.assign({{0, 1.0}, {1, -row.log_distance}});
-    if (row.receiver >= 0) {
-      terms.emplace_back(row.receiver, 1.0);
-      terms.emplace_back(row.transmitter, 1.0);
-    }
-    const std::int32_t* cell = rows_->CellsOf(SignalRow{}) + row.first;
-    const double* length = rows_->LengthsOf(SignalRow{}) + row.first;
-    const std::size_t before = terms.size();
-    for (std::size_t k = 0; k < row.size; ++k) {
-      const auto block =
-          static_cast<Eigen::Index>(head_) + block_of[static_cast<std::size_t>(cell[k])];
-      std::size_t at = before;
-      while (at < terms.size() && terms[at].first != block) ++at;
-      if (at == terms.size()) terms.emplace_back(block, 0.0);
-      terms[at].second -= length[k];
-    }
-    for (const auto& [i, a] : terms)
-      for (const auto& [j, b] : terms) coarse(i, j) += row.weight * a * b;
-  }
-  const double smooth = SmoothWeight();
-  for (std::size_t i = 0; i < cells.Count(); ++i) {
-    const auto a = static_cast<Eigen::Index>(head_) + block_of[i];
-    coarse(a, a) += PriorWeight(head_ + i);
-    for (const std::int32_t other : {cells.Right(i), cells.Up(i)}) {
-      if (other < 0) continue;
-      const auto b = static_cast<Eigen::Index>(head_) + block_of[static_cast<std::size_t>(other)];
-      if (a == b) continue;
-      coarse(a, a) += smooth;
-      coarse(b, b) += smooth;
-      coarse(a, b) -= smooth;
-      coarse(b, a) -= smooth;
-    }
-  }
-  for (std::size_t i = 0; i < head_; ++i)
-    coarse(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += PriorWeight(i);
-  return coarse;
-}
-
-Eigen::MatrixXd SignalSystem::Dense() const {
-  std::vector<std::int32_t> each(rows_->Cells().Count());
-  std::iota(each.begin(), each.end(), 0);
-  return Condensed(each, each.size());
-}
-
-template <class V>
-void SignalSystem::Precondition(const std::vector<V>& r, std::vector<V>* z) const {
-  const V unit{};
-  const auto size = static_cast<std::size_t>(coarse_inverse_.rows());
-  std::vector<V> sums = Zeros<V>(size);
-  for (std::size_t i = 0; i < head_; ++i) sums[i] = r[i];
-  for (std::size_t i = head_; i < r.size(); ++i) {
-    const std::int32_t block = block_of_[i - head_];
-    if (block >= 0) sums[head_ + static_cast<std::size_t>(block)] += r[i];
-  }
-  const std::vector<V> moves = Moved(coarse_inverse_, sums);
-  for (std::size_t i = 0; i < head_; ++i) (*z)[i] = moves[i];
-  for (std::size_t i = head_; i < r.size(); ++i) {
-    const std::int32_t block = block_of_[i - head_];
-    (*z)[i] = r[i] * Scalar(unit, inverse_diagonal_[i]);
-    if (block >= 0) (*z)[i] += moves[head_ + static_cast<std::size_t>(block)];
-  }
-}
-
 template <class V>
 int SignalSystem::Solve(const std::vector<V>& b, double tolerance, int max_iterations,
                         std::vector<V>* x, LastStep<V>* last) const {
@@ -435,49 +237,5 @@ template int SignalSystem::Solve(const std::vector<double>&, double, int, std::v
                                  LastStep<double>*) const;
 template int SignalSystem::Solve(const std::vector<Lanes>&, double, int, std::vector<Lanes>*,
                                  LastStep<Lanes>*) const;
-
-void SignalSystem::Perturb(std::uint64_t seed, std::vector<Lanes>* b) const {
-  const auto pull = [&](std::size_t row, double weight) -> Lanes {
-    return Signs(seed, 0, row) * static_cast<float>(std::sqrt(weight));
-  };
-  const bool all = is_anew_ || b->empty();
-  if (all) b->clear();
-  b->resize(Size(), Lanes::Zero());
-  if (all) {
-    for (std::size_t i = 0; i < equations_.size(); ++i)
-      AddTerms(equations_[i], pull(i, equations_[i].weight), b);
-  }
-  for (std::size_t c = 0; !all && c < changes_.size(); ++c) {
-    const std::size_t row = changes_[c].row;
-    if (changes_[c].before.weight > 0)
-      AddTerms<Lanes>(changes_[c].before, -pull(row, changes_[c].before.weight), b);
-    AddTerms(equations_[row], pull(row, equations_[row].weight), b);
-  }
-  const auto smooth = static_cast<float>(std::sqrt(SmoothWeight()));
-  ForNewPairs(all ? 0 : cells_before_, [&](std::size_t from, std::size_t to, std::uint64_t which) {
-    const Lanes off = Signs(seed, which, from) * smooth;
-    (*b)[head_ + from] += off;
-    (*b)[head_ + to] -= off;
-  });
-  for (std::size_t i = all ? 0 : head_ + cells_before_; i < Size(); ++i)
-    (*b)[i] += Signs(seed, 3, i) * static_cast<float>(std::sqrt(prior_[i]));
-}
-
-double SignalSystem::DegreesOfFreedom(std::uint64_t seed, const std::vector<Lanes>& x) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < equations_.size(); ++i) {
-    const SignalEquation& row = equations_[i];
-    Lanes off = x[0] - x[1] * static_cast<float>(row.log_distance);
-    if (row.receiver >= 0)
-      off +=
-          x[static_cast<std::size_t>(row.receiver)] + x[static_cast<std::size_t>(row.transmitter)];
-    const std::int32_t* cell = rows_->CellsOf(SignalRow{}) + row.first;
-    const double* length = rows_->LengthsOf(SignalRow{}) + row.first;
-    for (std::size_t k = 0; k < row.size; ++k)
-      off -= x[head_ + static_cast<std::size_t>(cell[k])] * static_cast<float>(length[k]);
-    sum += std::sqrt(row.weight) * static_cast<double>((off * Signs(seed, 0, i)).mean());
-  }
-  return sum;
-}
 
 }  // namespace graticule

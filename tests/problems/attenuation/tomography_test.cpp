@@ -120,6 +120,83 @@ TEST(Tomography, LearnsInStepsWhatItLearnsAtOnce) {
   for (std::size_t i = 0; i < links.size(); ++i) EXPECT_NEAR(a[i].dbm, b[i].dbm, 1e-6);
 }
 
+// Each step brings a few of the samples a little further; none may be left behind.  The tolerance
+// is that of 64 samples, whose deviations are good to a tenth, over links that are all different.
+TEST(Tomography, IsAsSureInStepsAsExactly) {
+  TomographyOptions options;
+  options.cell_m = 1.5;
+  TomographyOptions exactly = options;
+  exactly.exact_up_to = 4000;
+  Tomography whole(exactly), steps(options);
+  const auto measurements = Measured({}, 6000, 4);
+  whole.SetMap(Room());
+  steps.SetMap(Room());
+  whole.AddMeasurements(measurements);
+  whole.Update(600);
+  ASSERT_GT(whole.Rows().Cells().Count(), 256u) << "else no samples are drawn";
+  for (std::size_t i = 0; i < measurements.size(); i += 40) {
+    steps.AddMeasurements({measurements.data() + i, 40});
+    steps.Update(0.1 * static_cast<double>(i));
+  }
+  const auto links = LinksOf(Measured({}, 500, 5));
+  const auto a = Predicted(whole, links), b = Predicted(steps, links);
+  double exact = 0, online = 0;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    exact += std::pow(a[i].sigma_db, 2) - std::pow(whole.SigmaDb(), 2);
+    online += std::pow(b[i].sigma_db, 2) - std::pow(steps.SigmaDb(), 2);
+  }
+  EXPECT_NEAR(std::sqrt(online / exact), 1, 0.07);
+}
+
+TEST(Tomography, PredictsWhatItExpectsToTheSameDigits) {
+  for (const RadioBias bias : {RadioBias::kNone, RadioBias::kRadio, RadioBias::kEnds}) {
+    TomographyOptions options;
+    options.bias = bias;
+    Tomography expecting(options), other(options);
+    auto links = LinksOf(Measured({}, 300, 5));
+    for (std::size_t i = 0; i < 100; ++i) {  // the other way, some of them next to each other
+      links.push_back(links[3 * i]);
+      std::swap(links.back().receiver, links.back().transmitter);
+      std::swap(links.back().receiver_m, links.back().transmitter_m);
+    }
+    for (Tomography* matte : {&expecting, &other}) {
+      matte->SetMap(Room());
+      matte->AddMeasurements(Measured({}, 500, 1));
+      matte->Update(50);
+    }
+    const auto expect_same = [&](const std::vector<SignalLink>& asked) {
+      const auto a = Predicted(expecting, asked), b = Predicted(other, asked);
+      for (std::size_t i = 0; i < asked.size(); ++i) {
+        EXPECT_EQ(a[i].dbm, b[i].dbm);
+        EXPECT_EQ(a[i].sigma_db, b[i].sigma_db);
+      }
+    };
+    expecting.Expect(links);
+    expect_same(links);
+    // A window that moves on, links in another order, and a map that takes all paths away.
+    const std::vector<SignalLink> later(links.begin() + 200, links.end());
+    expecting.Expect(later);
+    expect_same(later);
+    expect_same({links.rbegin(), links.rend()});
+    auto empty = std::make_shared<OccupancyGrid>(*Room());
+    empty->cells.assign(empty->cells.size(), Occupancy::kFree);
+    expecting.SetMap(empty);
+    other.SetMap(empty);
+    expect_same(later);
+  }
+}
+
+TEST(Tomography, ExpectsNoLinkThatItWouldRefuse) {
+  Tomography matte(TomographyOptions::Matte());
+  matte.SetMap(Room());
+  auto links = LinksOf(Measured({}, 3, 5));
+  links[1].receiver_m.x() = 400;
+  EXPECT_THROW(matte.Expect(links), Error);
+  links[1].receiver_m.x() = 4;
+  matte.Expect(links);
+  EXPECT_EQ(Predicted(matte, links).size(), 3u);
+}
+
 void ExpectAsSolved(TomographyOptions options, const std::vector<SignalMeasurement>& measurements) {
   options.estimate_sigma = false;
   options.correlation = 0.2;
