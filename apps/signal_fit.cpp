@@ -29,16 +29,24 @@ const TomographyOptions* GraphOptions(const std::string& method, const MethodOpt
   return nullptr;
 }
 
+/// What the log leaves as it was believed, said on stderr.
+std::vector<std::string> SayWhatIsNotDetermined(const LoadedSignal& signal,
+                                                const TomographyOptions& options,
+                                                const Console& console) {
+  Tomography learnt(options);
+  if (signal.map) learnt.SetMap(signal.map);
+  learnt.AddMeasurements(signal.log.measurements);
+  learnt.Update(signal.log.measurements.back().link.time_s);
+  const std::vector<std::string> all = learnt.NotDetermined();
+  for (const std::string& what : all) console.Note(signal.name + ": not determined: " + what);
+  return all;
+}
+
 int FitGraph(const SignalFitCommand& command, const LoadedSignal& signal,
              const TomographyOptions& options, const Console& console) {
   FittedGraph built =
       About(signal.name, [&] { return BuildFitted(signal.log, signal.map, options); });
-  Tomography check(options);
-  if (signal.map) check.SetMap(signal.map);
-  check.AddMeasurements(signal.log.measurements);
-  check.Update(signal.log.measurements.back().link.time_s);
-  for (const std::string& what : check.NotDetermined())
-    console.Note(signal.name + ": not determined: " + what);
+  const std::vector<std::string> not_determined = SayWhatIsNotDetermined(signal, options, console);
 
   Recording recording(Builtins());
   recording.graph = std::move(built.graph);
@@ -71,7 +79,7 @@ int FitGraph(const SignalFitCommand& command, const LoadedSignal& signal,
                {"noise_db", built.model.options.sigma_db},
                {"cells", built.model.layout.cells.size()},
                {"classes", Json::array()},
-               {"not_determined", check.NotDetermined()}};
+               {"not_determined", not_determined}};
   for (std::size_t r = 0; r < estimate.receiver_bias_db.size(); ++r)
     json["bias_db"][signal.log.radios[r]] = {{"receiving", estimate.receiver_bias_db[r]},
                                              {"sending", estimate.transmitter_bias_db[r]}};
@@ -136,11 +144,17 @@ int Run(const SignalFitCommand& command, const Console& console) {
     predictor->Update(signal.log.measurements.back().link.time_s);
     return 0;
   });
+  // Beneath a process there is a graph's model, or at least the path loss; a mean has neither.
+  const TomographyOptions* mean = GraphOptions(method.substr(0, method.find('+')), options);
+  if (mean == nullptr) mean = GraphOptions("log-fit", options);
+  std::vector<std::string> not_determined;
+  if (method != "mean") not_determined = SayWhatIsNotDetermined(signal, *mean, console);
   WriteFile(command.output, FormatMeasuredModel(method, options, signal.log));
   if (command.json)
     fmt::print("{}\n", Json{{"schema", "graticule-signal-fit/1"},
                             {"method", method},
-                            {"measurements", signal.log.measurements.size()}}
+                            {"measurements", signal.log.measurements.size()},
+                            {"not_determined", not_determined}}
                            .dump(1));
   else
     fmt::print("{}: {} measurements, {}\n  wrote         {}\n", signal.name,

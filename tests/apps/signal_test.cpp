@@ -142,7 +142,9 @@ TEST_F(SignalCommandTest, PlansForTheTeam) {
   const Outcome where = RunCommand({"signal", "where", Path("model.fg"), team, "--robot", "robot2",
                                     "--map", Map(), "--reach", "20", "--places", "2", "--json"});
   ASSERT_EQ(where.exit_code, 0) << where.err;
-  EXPECT_EQ(JsonOf(where)["places"].size(), 2u);
+  const Json places = JsonOf(where)["places"];
+  ASSERT_EQ(places.size(), 2u);
+  EXPECT_NE(std::pair(places[0]["x"], places[0]["y"]), std::pair(places[1]["x"], places[1]["y"]));
   EXPECT_EQ(
       RunCommand({"signal", "where", Path("model.fg"), team, "--robot", "robot9", "--map", Map()})
           .exit_code,
@@ -177,9 +179,14 @@ TEST_F(SignalCommandTest, RefusesWithOneLineThatSaysWhere) {
       {"signal", "fit", Path("house"), "--method", "mrt", "-s", "mrt.lamda=2", "-o", Path("m.fg")},
       2, "mrt.lambda");
   // Robots that stand still: what is not determined is said, and the model is written.
-  const Outcome still = RunCommand(fit(Path("good.csv"), "matte"));
-  EXPECT_EQ(still.exit_code, 0) << still.err;
-  EXPECT_NE(still.err.find("not determined"), std::string::npos) << still.err;
+  for (const char* method : {"matte", "mrgp", "best"}) {
+    const Outcome still = RunCommand(fit(Path("good.csv"), method));
+    EXPECT_EQ(still.exit_code, 0) << method << still.err;
+    EXPECT_NE(still.err.find("not determined: slope"), std::string::npos) << method << still.err;
+  }
+  refused({"signal", "predict", Path("m.fg"), "--from", "3,3", "--radio", "nobody", "--map-of",
+           Path("to"), "--map", Map()},
+          2, "'nobody'");
 }
 
 }  // namespace
