@@ -7,7 +7,6 @@
 #include "commands.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/nearest.hpp"
-#include "graticule/solver/provenance.hpp"
 
 namespace graticule::apps {
 
@@ -359,10 +358,7 @@ int RunFromArguments(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();
   app.add_flag("-q,--quiet", console.quiet, "nothing on stderr but errors");
-  std::string version = "graticule " + Version();
-  for (const auto& [what, which] : Provenance())
-    if (what != "graticule") version += "\n  " + what + " " + which;
-  app.set_version_flag("--version", version);
+  app.set_version_flag("--version", Versions);
   app.footer(
       "Exit codes: 0 done, 1 failed, 2 usage, 3 input refused, 4 not converged, 5 ill-posed, 6 "
       "type or plug-in "
@@ -382,6 +378,7 @@ int RunFromArguments(int argc, char** argv) {
   AddSimulateMission(&app, &chosen);
   AddSimulateScene(&app, &chosen);
   AddLists(&app, &chosen);
+  AddManual(&app, &chosen);
   ExpectCommand(app, argc, argv);
   try {
     std::vector<std::string> words = GuideAsCommand({argv + 1, argv + argc});

@@ -45,4 +45,7 @@ void AddSimulateScene(CLI::App* app, Chosen* chosen);
 /// `graticule coregister`.
 void AddCoregister(CLI::App* app, Chosen* chosen);
 
+/// `graticule manual`, which describes all the others.
+void AddManual(CLI::App* app, Chosen* chosen);
+
 }  // namespace graticule::apps

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -283,6 +284,13 @@ struct TypesCommand {
   Reading reading;
 };
 
+struct ManualCommand;
+
+struct WriteManualCommand {
+  std::string what, output;
+  std::shared_ptr<const ManualCommand> program;  ///< the command line, as it is declared
+};
+
 /// Each runs one subcommand and returns its exit code.  Results on stdout, everything else on
 /// stderr.  Throws Error.
 int Run(const SolveCommand& command, const Console& console);
@@ -310,5 +318,9 @@ int Run(const SimulateMissionCommand& command, const Console& console);
 int Run(const SimulateSceneCommand& command, const Console& console);
 int Run(const OptionsCommand& command, const Console& console);
 int Run(const TypesCommand& command, const Console& console);
+int Run(const WriteManualCommand& command, const Console& console);
+
+/// What `graticule --version` says: of Graticule, and of all that its results depend on.
+std::string Versions();
 
 }  // namespace graticule::apps

@@ -2,6 +2,9 @@
 
 #include "commands.hpp"
 #include "configuration.hpp"
+#include "graticule/io/opencv_version.hpp"
+#include "graticule/solver/plugin_abi.h"
+#include "graticule/solver/provenance.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -43,6 +46,14 @@ int Run(const TypesCommand& command, const Console&) {
     fmt::print("  {:<30} {}\n  {:<30} {} [{}]\n", type->name, ToString(type->schema), "",
                type->summary, type->origin);
   return kDone;
+}
+
+std::string Versions() {
+  std::string text = "graticule " + Version();
+  for (const auto& [what, which] : Provenance())
+    if (what != "graticule") text += "\n  " + what + " " + which;
+  text += "\n  opencv " + OpenCvVersion();
+  return text + "\n  plugin-abi " + std::to_string(GRATICULE_ABI_VERSION);
 }
 
 }  // namespace graticule::apps

@@ -1,8 +1,8 @@
-# What `cmake --install` lays down: a library and the headers of each room, the program, its configurations,
-# the folder where plug-ins are found, and what find_package(graticule) reads.
+# What `cmake --install` lays down: a library and the headers of each room, what find_package(graticule) and
+# pkg-config read (component dev); the programs, their manual, their configurations and the folder where plug-ins are
+# found (component runtime).
 include(CMakePackageConfigHelpers)
 
-set(GRATICULE_PLUGIN_INSTALL_DIR "${CMAKE_INSTALL_LIBDIR}/graticule/plugins")
 set(GRATICULE_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/graticule")
 
 list(JOIN GRATICULE_INTERNAL_HEADERS "|" internal)
@@ -14,19 +14,20 @@ foreach(room IN ITEMS solver factors io problems)
   endif()
   list(APPEND GRATICULE_INSTALLED_COMPONENTS ${room})
   install(TARGETS graticule_${room} EXPORT graticule_${room}
-    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-    RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT dev
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT runtime NAMELINK_COMPONENT dev
+    RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
   install(EXPORT graticule_${room} NAMESPACE graticule:: FILE graticule-${room}.cmake
-    DESTINATION "${GRATICULE_PACKAGE_DIR}")
+    DESTINATION "${GRATICULE_PACKAGE_DIR}" COMPONENT dev)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/${room}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/graticule/${room}"
+    COMPONENT dev
     FILES_MATCHING
     PATTERN "*.hpp"
     PATTERN "*.h"
     REGEX "/solver/(${internal})\\.hpp$" EXCLUDE)
 endforeach()
 install(FILES "${GRATICULE_VERSION_INCLUDE}/graticule/version.hpp"
-  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/graticule")
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/graticule" COMPONENT dev)
 
 # Shared libraries find each other, and the program finds them, wherever the installation was moved.
 if(BUILD_SHARED_LIBS)
@@ -42,14 +43,16 @@ if(BUILD_SHARED_LIBS)
   endif()
 endif()
 if(TARGET graticule_cli)
-  install(TARGETS graticule_cli graticule_vision RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(TARGETS graticule_cli graticule_vision RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}"
+    COMPONENT runtime)
+  include(GraticuleManual)
 endif()
 if(EXISTS "${PROJECT_SOURCE_DIR}/apps/configs")
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/apps/configs/"
-    DESTINATION "${CMAKE_INSTALL_DATADIR}/graticule/configs" FILES_MATCHING PATTERN "*.yaml")
+    DESTINATION "${CMAKE_INSTALL_DATADIR}/graticule/configs" COMPONENT runtime FILES_MATCHING PATTERN "*.yaml")
 endif()
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
-install(CODE "file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${GRATICULE_PLUGIN_INSTALL_DIR}\")")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT outside_packages)
+install(DIRECTORY DESTINATION "${GRATICULE_PLUGIN_INSTALL_DIR}" COMPONENT runtime)
 
 if(BUILD_SHARED_LIBS)
   set(BUILD_SHARED_LIBS_TEXT TRUE)
@@ -68,4 +71,6 @@ install(FILES
   "${PROJECT_BINARY_DIR}/graticuleConfigVersion.cmake"
   "${PROJECT_SOURCE_DIR}/cmake/GraticulePlugin.cmake"
   "${PROJECT_SOURCE_DIR}/cmake/GraticuleOpenCv.cmake"
-  DESTINATION "${GRATICULE_PACKAGE_DIR}")
+  DESTINATION "${GRATICULE_PACKAGE_DIR}" COMPONENT dev)
+include(GraticulePkgConfig)
+include(GraticulePackages)

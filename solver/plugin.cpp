@@ -12,6 +12,9 @@
 #ifndef GRATICULE_PLUGIN_DIR
 #define GRATICULE_PLUGIN_DIR "/usr/lib/graticule/plugins"
 #endif
+#ifndef GRATICULE_PACKAGED_PLUGIN_DIR
+#define GRATICULE_PACKAGED_PLUGIN_DIR GRATICULE_PLUGIN_DIR
+#endif
 #ifndef GRATICULE_PLUGIN_DIR_FROM_PROGRAM
 #define GRATICULE_PLUGIN_DIR_FROM_PROGRAM "../lib/graticule/plugins"
 #endif
@@ -54,7 +57,8 @@ const graticule_plugin_v1& Describe(const std::string& file, void* library) {
 }
 
 // Beside the running program, where there is such a folder: an installation may have been moved.
-// Only one of the two, or a plug-in in both would be refused for taking its own names.
+// Else, for programs that embed the library, where `cmake --install` or a package made one.  Only
+// one of them, or a plug-in in two would be refused for taking its own names.
 std::string InstalledPluginDir() {
   std::error_code problem;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", problem);
@@ -63,6 +67,9 @@ std::string InstalledPluginDir() {
         (program.parent_path() / GRATICULE_PLUGIN_DIR_FROM_PROGRAM).lexically_normal();
     if (std::filesystem::is_directory(folder, problem)) return folder.string();
   }
+  if (!std::filesystem::is_directory(GRATICULE_PLUGIN_DIR, problem) &&
+      std::filesystem::is_directory(GRATICULE_PACKAGED_PLUGIN_DIR, problem))
+    return GRATICULE_PACKAGED_PLUGIN_DIR;
   return GRATICULE_PLUGIN_DIR;
 }
 

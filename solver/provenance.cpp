@@ -19,6 +19,8 @@ std::vector<std::pair<std::string, std::string>> Provenance() {
   return {{"graticule", Version()},
           {"ceres", CeresVersion()},
           {"eigen", dots(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"suitesparse",
+           dots(SUITESPARSE_MAIN_VERSION, SUITESPARSE_SUB_VERSION, SUITESPARSE_SUBSUB_VERSION)},
           {"cholmod", dots(CHOLMOD_MAIN_VERSION, CHOLMOD_SUB_VERSION, CHOLMOD_SUBSUB_VERSION)},
           {"blas", LoadedBlas()}};
 }
