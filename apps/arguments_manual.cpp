@@ -9,7 +9,7 @@ constexpr char kExamples[] = "Examples:\n";
 // CLI11 says type and checks as "TEXT:{half,double,full}" and "INT:INT in [1 - 1000]".
 void ReadTypeName(const std::string& text, ManualOption* option) {
   const std::size_t colon = text.find(':');
-  option->argument = text.substr(0, colon);
+  option->argument = colon == 0 ? "TEXT" : text.substr(0, colon);  // a flag's value has no type
   if (colon == std::string::npos) return;
   std::string checks = text.substr(colon + 1);
   if (checks.size() > 1 && checks.front() == '{' && checks.back() == '}') {
@@ -39,7 +39,8 @@ ManualOption Describe(const CLI::Option& option) {
   if (described.TakesValue()) described.standard = option.get_default_str();
   described.help = option.get_description();
   described.is_required = option.get_required();
-  described.takes_several = option.get_expected_max() == CLI::detail::expected_max_vector_size;
+  described.takes_several = option.get_expected_max() == CLI::detail::expected_max_vector_size &&
+                            option.get_allow_extra_args();
   return described;
 }
 

@@ -7,7 +7,7 @@ namespace {
 std::string Cell(const std::string& text) {
   std::string cell;
   for (const char c : text) {
-    if (c == '|' || c == '<' || c == '*' || c == '_' || c == '`') cell += '\\';
+    if (c == '|' || c == '<' || c == '*' || c == '_') cell += '\\';
     cell += c;
   }
   return cell;

@@ -1,13 +1,14 @@
 # Debian packages: `cpack` in the build tree writes graticule (the programs), libgraticule-dev (libraries,
 # headers, what finds them) and, where there is something to put into it, python3-graticule.
 # tests/install/packages_test.py holds what is said here against what the packages need.
-set(GRATICULE_MAINTAINER "The Graticule authors <graticule@packages.debian.org>" CACHE STRING
+set(GRATICULE_MAINTAINER "The Graticule authors <maintainers@graticule.example>" CACHE STRING
     "Maintainer of the Debian packages: Name <address>")
 mark_as_advanced(GRATICULE_MAINTAINER)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME graticule)
 set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "factor graphs as data, solved by Ceres")
 set(CPACK_PACKAGE_DIRECTORY "${PROJECT_BINARY_DIR}/packages")
 set(CPACK_PACKAGING_INSTALL_PREFIX "${GRATICULE_PACKAGE_PREFIX}")
 set(CPACK_STRIP_FILES ON)
@@ -33,7 +34,7 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # Opened by its name when the first picture is drawn: no tool sees it.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "librsvg2-2")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "fonts-dejavu-core")
-set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "factor graphs as data, solved by Ceres: programs\n${about}")
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "${about}")
 
 # What the targets of graticuleConfig.cmake and the .pc files lead to.
 set(GRATICULE_DEV_PACKAGES libeigen3-dev libceres-dev libsuitesparse-dev libopenblas-dev)
@@ -46,7 +47,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME libgraticule-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 list(JOIN GRATICULE_DEV_PACKAGES ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "graticule (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
-set(CPACK_DEBIAN_DEV_DESCRIPTION "factor graphs as data, solved by Ceres: libraries\n${about}\n.\n\
+set(CPACK_DEBIAN_DEV_DESCRIPTION "${about}\n.\n\
 This package has the static libraries and headers, to embed it and to write\nplug-ins.")
 if(BUILD_SHARED_LIBS)
   string(PREPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
@@ -61,7 +62,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-graticule)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
-set(CPACK_DEBIAN_PYTHON_DESCRIPTION "factor graphs as data, solved by Ceres: Python 3\n${about}\n.\n\
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${about}\n.\n\
 This package has the Python module.")
 
 # Each package says its licence and its changes; with `cmake --install` these stay out.
