@@ -70,21 +70,24 @@ def closure(packages, depends):
 
 @functools.lru_cache(maxsize=None)
 def owners():
-    """Which package has which shared library, by the library's file name and folder."""
+    """Which package has which shared library: by path, /lib taken for /usr/lib."""
     found = {}
     for path in glob.glob("/var/lib/dpkg/info/*.list"):
         package = os.path.basename(path)[:-len(".list")].split(":")[0]
         with open(path, encoding="utf-8") as file:
             for line in file:
                 if ".so" in line:
-                    found[os.path.realpath(line.strip())] = package
-                    found.setdefault(line.strip(), package)
+                    found[merged(line.strip())] = package
     return found
 
 
+def merged(path):
+    return os.path.join(os.path.realpath(os.path.dirname(path)), os.path.basename(path))
+
+
 def owner(path):
-    """The package that has a shared library; merged /usr or not."""
-    return owners().get(path) or owners().get(os.path.realpath(path))
+    """The package that has a shared library; alternatives (libblas.so.3) are followed."""
+    return owners().get(merged(path)) or owners().get(os.path.realpath(path))
 
 
 def build_packages():
@@ -175,7 +178,7 @@ def check_develops(debs, depends):
     for library in re.findall(r"(?<= )-l(\S+)", " " + " ".join(flags("graticule-problems"))):
         if not library.startswith("graticule") and library != "dl":  # part of libc
             file = run(CXX, f"-print-file-name=lib{library}.so").strip()
-            package = owner(os.path.normpath(file))
+            package = owner(file)
             expect(f"-l{library} ({file}) is in {package}: not in Depends", package in allowed)
 
     embed = os.path.join(WORK, "embed")
