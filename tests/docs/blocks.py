@@ -5,10 +5,11 @@ A fenced block of `console` (lines that begin with `$ ` are typed, the others ar
 the fence say what a reader has at hand, or why a block is not run:
 
     <!-- given: intel.clf.gz = mapping/kuemmerle/intel.clf.gz; problem.fg = source:docs/examples/plugin/problem.fg -->
+    <!-- given: images/ = calib/opencv_samples/images/left*.jpg; libradar.so = built:libradar.so -->
     <!-- before: graticule simulate bundle -o ring.fg -->
     <!-- not run: needs a camera -->
 
-`given` names files and folders of the recorded data, or of the sources; NAME/ is a folder of all that match.  `before` is a command that the page does not
+`given` names files of the recorded data, of the sources, or plug-ins of the build; NAME/ is a folder of all that match.  `before` is a command that the page does not
 show.  What is `not run` is counted (CMakeLists.txt), and its options are held against --help all the same."""
 
 import re

@@ -1,9 +1,10 @@
-"""page_test.py PAGE PROGRAM SOURCE DATA: runs what the page shows (see blocks.py), and holds every option that it
+"""page_test.py PAGE PROGRAM SOURCE DATA [BUILT...]: runs what the page shows (see blocks.py), and holds every option that it
 names against --help.  Exit code 77: recorded data are missing."""
 
 import glob
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -13,6 +14,7 @@ import blocks
 from command_line import CommandLine
 
 PAGE, PROGRAM, SOURCE, DATA = sys.argv[1:5]
+BUILT = {os.path.basename(path): path for path in sys.argv[5:]}  # plug-ins
 LINE = CommandLine(PROGRAM)
 
 
@@ -31,21 +33,23 @@ def check_words(where, words, is_whole):
 
 def set_up(folder, given):
     for name, source in given.items():
-        pattern = os.path.join(SOURCE, source[7:]) if source.startswith("source:") else \
-            os.path.join(DATA, source)
+        kind, colon, rest = source.partition(":")
+        if not colon:
+            pattern = os.path.join(DATA, source)
+        else:
+            pattern = {"source": os.path.join(SOURCE, rest), "built": BUILT.get(rest, rest)}[kind]
         paths = glob.glob(pattern)
         if not paths:
-            if source.startswith("source:") or os.environ.get("CI") == "true":
+            if colon or os.environ.get("CI") == "true":
                 raise AssertionError(f"{pattern} is missing")
             print(f"skipped: {pattern} is missing")
             sys.exit(77)
         for path in paths:
-            link = os.path.join(folder, name)
+            copy = os.path.join(folder, name)
             if name.endswith("/"):
-                link += os.path.basename(path)
-            os.makedirs(os.path.dirname(link), exist_ok=True)
-            if not os.path.lexists(link):
-                os.symlink(os.path.abspath(path), link)
+                copy += os.path.basename(path)
+            os.makedirs(os.path.dirname(copy), exist_ok=True)
+            shutil.copyfile(path, copy)  # a command may write over it
 
 
 def run(where, folder, commands):
