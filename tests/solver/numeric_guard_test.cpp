@@ -38,7 +38,8 @@ TEST(Provenance, SaysWhatAResultDependsOn) {
     names.push_back(name);
     EXPECT_FALSE(value.empty()) << name;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"graticule", "ceres", "eigen", "cholmod", "blas"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"graticule", "ceres", "eigen", "suitesparse",
+                                             "cholmod", "blas"}));
 }
 
 TEST(NumericGuard, RunsOpenMpRegionsOnceWhileItLives) {
