@@ -101,6 +101,9 @@ def build_packages():
 
 
 def check_lintian(debs):
+    if shutil.which("lintian") is None and not IN_CI:
+        print("lintian is missing: not asked")
+        return
     need("lintian")
     user = [] if os.geteuid() else ["--allow-root"]
     done = subprocess.run(["lintian", *user, "--fail-on", "error", *debs.values()], text=True,
