@@ -189,7 +189,7 @@ void SurfaceNormals::FitRow(const ScanMesh& mesh, std::size_t row) {
       // Powers of the adjugate tend to the projector onto the normal; eight times the ratio's
       // power.
       Matrix3 power = Scaled(adjugate, 1 / std::max(area, 1e-30f));
-      for (int k = 0; k < 3; ++k) {
+      for (int k = 0; k < 6; ++k) {
         power = Square(power);
         power = Scaled(power, 1 / std::max(Trace(power), 1e-30f));
       }
