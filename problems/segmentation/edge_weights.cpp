@@ -30,103 +30,142 @@ GRATICULE_WIDE inline std::uint16_t AngleWeight(float dot) {
 
 }  // namespace
 
-void EdgeWeights::WeighColours(const ScanMesh& mesh, const Rgb* colours) {
-  const std::size_t n = mesh.Size();
-  red_.resize(n);
-  green_.resize(n);
-  blue_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    red_[i] = colours[i][0];
-    green_[i] = colours[i][1];
-    blue_[i] = colours[i][2];
-  }
-  const auto weigh = [&](std::size_t i, std::size_t j) {
-    return ColourWeight(red_[j] - red_[i], green_[j] - green_[i], blue_[j] - blue_[i]);
-  };
-  for (int d = 0; d < ScanMesh::kDirections; ++d) {
-    const std::size_t step = static_cast<std::size_t>(mesh.Step(d));
-    std::uint16_t* to = &colour_[static_cast<std::size_t>(d) * n];
-    const std::uint8_t *r = red_.data(), *g = green_.data(), *b = blue_.data();
-    RunWide([=]() GRATICULE_WIDE {
-#pragma GCC ivdep
-      for (std::size_t i = 0; i < n - std::min(n, step); ++i)
-        to[i] = ColourWeight(r[i + step] - r[i], g[i + step] - g[i], b[i + step] - b[i]);
-    });
-  }
-  std::size_t k = ScanMesh::kDirections * n;
-  for (const auto& [i, j] : mesh.Seam()) colour_[k++] = weigh(i, j);
-}
-
-void EdgeWeights::WeighAngles(const ScanMesh& mesh, const SurfaceNormals& normals) {
-  const std::size_t n = mesh.Size();
-  const float *x = normals.X(), *y = normals.Y(), *z = normals.Z();
-  const auto weigh = [&](std::size_t i, std::size_t j) {
-    const float dot = x[i] * x[j] + y[i] * y[j] + z[i] * z[j];
-    return dot == 0 ? std::uint16_t{0} : AngleWeight(dot);
-  };
-  for (int d = 0; d < ScanMesh::kDirections; ++d) {
-    const std::size_t step = static_cast<std::size_t>(mesh.Step(d));
-    std::uint16_t* to = &angle_[static_cast<std::size_t>(d) * n];
-    RunWide([=]() GRATICULE_WIDE {
-#pragma GCC ivdep
-      for (std::size_t i = 0; i < n - std::min(n, step); ++i) {
-        const float dot = x[i] * x[i + step] + y[i] * y[i + step] + z[i] * z[i + step];
-        to[i] = AngleWeight(dot == 0 ? 1.0f : dot);
-      }
-    });
-  }
-  std::size_t k = ScanMesh::kDirections * n;
-  for (const auto& [i, j] : mesh.Seam()) angle_[k++] = weigh(i, j);
-}
-
-void EdgeWeights::Sort(const ScanMesh& mesh, EdgeOrder order) {
-  const std::size_t n = mesh.Size();
-  const std::uint16_t* keys = order == EdgeOrder::kColour ? colour_.data() : angle_.data();
+void EdgeWeights::Begin(EdgeOrder order) {
+  order_ = order;
+  rows_ = 0;
+  for (std::vector<std::uint8_t>* list : {&red_, &green_, &blue_}) list->clear();
+  for (std::vector<std::uint16_t>* list : {&colour_, &angle_, &seam_colour_, &seam_angle_})
+    list->clear();
   first_.assign(std::max(kColourBins, kAngleBins) + 1, 0);
+}
+
+void EdgeWeights::AddColours(const Rgb* row, std::size_t width) {
+  const std::size_t before = red_.size();
+  for (std::vector<std::uint8_t>* list : {&red_, &green_, &blue_}) list->resize(before + width);
+  for (std::size_t c = 0; c < width; ++c) {
+    red_[before + c] = row[c][0];
+    green_[before + c] = row[c][1];
+    blue_[before + c] = row[c][2];
+  }
+}
+
+// Edges of the row `rows_` in the first so many directions; the others' weights are zero.
+void EdgeWeights::WeighRow(const ScanMesh& mesh, const SurfaceNormals* normals, int directions) {
+  const std::size_t width = mesh.Width(), row = rows_ * width;
+  for (int d = 0; d < directions; ++d) {
+    const std::ptrdiff_t step = mesh.Step(d);
+    const std::size_t place = ScanMesh::kDirections * row + static_cast<std::size_t>(d) * width;
+    // What is right of a row is not there.
+    const bool is_right = d == ScanMesh::kRight || d == ScanMesh::kDownRight;
+    const std::size_t count = is_right ? width - 1 : width;
+    if (!red_.empty()) {
+      std::uint16_t* to = &colour_[place];
+      const std::uint8_t *r = &red_[row], *g = &green_[row], *b = &blue_[row];
+      const std::uint8_t *far_r = r + step, *far_g = g + step, *far_b = b + step;
+      RunWide([=]() GRATICULE_WIDE {
+#pragma GCC ivdep
+        for (std::size_t c = 0; c < count; ++c)
+          to[c] = ColourWeight(far_r[c] - r[c], far_g[c] - g[c], far_b[c] - b[c]);
+      });
+    }
+    if (normals != nullptr) {
+      std::uint16_t* to = &angle_[place];
+      const float *x = normals->X() + row, *y = normals->Y() + row, *z = normals->Z() + row;
+      const float *far_x = x + step, *far_y = y + step, *far_z = z + step;
+      RunWide([=]() GRATICULE_WIDE {
+#pragma GCC ivdep
+        for (std::size_t c = 0; c < count; ++c) {
+          const float dot = x[c] * far_x[c] + y[c] * far_y[c] + z[c] * far_z[c];
+          to[c] = AngleWeight(dot == 0 ? 1.0f : dot);
+        }
+      });
+    }
+  }
+}
+
+void EdgeWeights::WeighSeam(const ScanMesh& mesh, const SurfaceNormals* normals) {
+  for (const auto& [i, j] : mesh.Seam()) {
+    seam_colour_.push_back(
+        red_.empty() ? std::uint16_t{0}
+                     : ColourWeight(red_[j] - red_[i], green_[j] - green_[i], blue_[j] - blue_[i]));
+    const float dot = normals == nullptr
+                          ? 0
+                          : normals->X()[i] * normals->X()[j] + normals->Y()[i] * normals->Y()[j] +
+                                normals->Z()[i] * normals->Z()[j];
+    seam_angle_.push_back(dot == 0 ? std::uint16_t{0} : AngleWeight(dot));
+  }
+}
+
+// How many edges of the row `rows_` have each weight.
+void EdgeWeights::Count(const ScanMesh& mesh) {
+  const std::size_t width = mesh.Width(), row = rows_ * width;
+  const std::vector<std::uint16_t>& weights = order_ == EdgeOrder::kColour ? colour_ : angle_;
+  const std::uint16_t* keys = &weights[ScanMesh::kDirections * row];
+  const std::uint8_t* links = mesh.Links() + row;
   std::uint32_t* count = first_.data() + 1;
-  const std::uint8_t* links = mesh.Links();
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t c = 0; c < width; ++c) {
     // Most points have all of their links, or none.
-    const unsigned bits = links[i];
+    const unsigned bits = links[c];
     if (bits == 0) continue;
     for (std::size_t d = 0; d < ScanMesh::kDirections; ++d)
-      if ((bits >> d & 1) != 0) ++count[keys[d * n + i]];
+      if ((bits >> d & 1) != 0) ++count[keys[d * width + c]];
   }
-  const std::size_t seam = ScanMesh::kDirections * n;
-  for (std::size_t k = 0; k < mesh.Seam().size(); ++k) ++count[keys[seam + k]];
+}
+
+void EdgeWeights::WeighUntil(const ScanMesh& mesh, const SurfaceNormals* normals, std::size_t end) {
+  if (rows_ >= end) return;
+  colour_.resize(ScanMesh::kDirections * end * mesh.Width());
+  angle_.resize(colour_.size());
+  for (; rows_ < end; ++rows_) {
+    const bool is_last = rows_ + 1 == mesh.Height();
+    WeighRow(mesh, normals, is_last ? 1 : int{ScanMesh::kDirections});
+    Count(mesh);
+  }
+}
+
+void EdgeWeights::Extend(const ScanMesh& mesh, const SurfaceNormals* normals) {
+  const std::size_t known = normals == nullptr ? mesh.Height() : normals->Rows();
+  if (known > 0) WeighUntil(mesh, normals, known - 1);
+}
+
+void EdgeWeights::Finish(const ScanMesh& mesh, const SurfaceNormals* normals) {
+  WeighUntil(mesh, normals, mesh.Height());
+  WeighSeam(mesh, normals);
+  Sort(mesh);
+}
+
+void EdgeWeights::Sort(const ScanMesh& mesh) {
+  const bool by_colour = order_ == EdgeOrder::kColour;
+  for (const std::uint16_t key : by_colour ? seam_colour_ : seam_angle_) ++first_[key + 1u];
   std::uint32_t sum = 0;
   for (std::uint32_t& first : first_) first = sum += first;
   sorted_.resize(sum);
   std::uint32_t* next = first_.data();
-  const auto put = [&](std::size_t code, std::size_t place) {
-    sorted_[next[keys[place]]++] = {static_cast<std::uint32_t>(code), colour_[place],
-                                    angle_[place]};
+  const auto put = [&](std::size_t code, std::uint16_t colour, std::uint16_t angle) {
+    sorted_[next[by_colour ? colour : angle]++] = {static_cast<std::uint32_t>(code), colour, angle};
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    const unsigned bits = links[i];
-    if (bits == 0) continue;
-    for (std::size_t d = 0; d < ScanMesh::kDirections; ++d)
-      if ((bits >> d & 1) != 0) put(4 * i + d, d * n + i);
+  const std::uint8_t* links = mesh.Links();
+  const std::size_t width = mesh.Width();
+  for (std::size_t row = 0; row < mesh.Height(); ++row) {
+    const std::uint16_t* colour = &colour_[ScanMesh::kDirections * row * width];
+    const std::uint16_t* angle = &angle_[ScanMesh::kDirections * row * width];
+    for (std::size_t c = 0; c < width; ++c) {
+      const std::size_t i = row * width + c;
+      const unsigned bits = links[i];
+      if (bits == 0) continue;
+      for (std::size_t d = 0; d < ScanMesh::kDirections; ++d)
+        if ((bits >> d & 1) != 0) put(4 * i + d, colour[d * width + c], angle[d * width + c]);
+    }
   }
-  for (std::size_t k = 0; k < mesh.Seam().size(); ++k) put(seam + k, seam + k);
+  for (std::size_t k = 0; k < mesh.Seam().size(); ++k)
+    put(ScanMesh::kDirections * mesh.Size() + k, seam_colour_[k], seam_angle_[k]);
 }
 
 void EdgeWeights::Compute(const ScanMesh& mesh, const Rgb* colours, const SurfaceNormals* normals,
                           EdgeOrder order) {
-  const std::size_t all = ScanMesh::kDirections * mesh.Size() + mesh.Seam().size();
-  if (colours) {
-    colour_.resize(all);
-    WeighColours(mesh, colours);
-  } else {
-    colour_.assign(all, 0);
-  }
-  if (normals) {
-    angle_.resize(all);
-    WeighAngles(mesh, *normals);
-  } else {
-    angle_.assign(all, 0);
-  }
-  Sort(mesh, order);
+  Begin(order);
+  if (colours != nullptr) AddColours(colours, mesh.Size());
+  Finish(mesh, normals);
 }
 
 }  // namespace graticule

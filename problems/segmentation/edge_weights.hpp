@@ -32,16 +32,29 @@ class EdgeWeights {
   void Compute(const ScanMesh& mesh, const Rgb* colours, const SurfaceNormals* normals,
                EdgeOrder order);
 
+  /// The same while a mesh grows: AddColours with each of its rows (or with none), then Extend
+  /// weighs the edges of points of which both ends are known; Finish weighs the last ones, and
+  /// sorts.
+  void Begin(EdgeOrder order);
+  void AddColours(const Rgb* row, std::size_t width);
+  void Extend(const ScanMesh& mesh, const SurfaceNormals* normals);
+  void Finish(const ScanMesh& mesh, const SurfaceNormals* normals);
+
   const std::vector<WeighedEdge>& Sorted() const { return sorted_; }
 
  private:
-  void WeighColours(const ScanMesh& mesh, const Rgb* colours);
-  void WeighAngles(const ScanMesh& mesh, const SurfaceNormals& normals);
-  void Sort(const ScanMesh& mesh, EdgeOrder order);
+  void WeighUntil(const ScanMesh& mesh, const SurfaceNormals* normals, std::size_t end);
+  void WeighRow(const ScanMesh& mesh, const SurfaceNormals* normals, int directions);
+  void WeighSeam(const ScanMesh& mesh, const SurfaceNormals* normals);
+  void Count(const ScanMesh& mesh);
+  void Sort(const ScanMesh& mesh);
 
+  EdgeOrder order_ = EdgeOrder::kColour;
+  std::size_t rows_ = 0;  // whose edges are weighed
   std::vector<std::uint8_t> red_, green_, blue_;
-  std::vector<std::uint16_t> colour_, angle_;  // a list a direction, then the seam's
-  std::vector<std::uint32_t> first_;           // of each weight, in the sorted list
+  std::vector<std::uint16_t> colour_, angle_;            // a row after the other, by directions
+  std::vector<std::uint16_t> seam_colour_, seam_angle_;  // of the seam's links
+  std::vector<std::uint32_t> first_;                     // of each weight, in the sorted list
   std::vector<WeighedEdge> sorted_;
 };
 

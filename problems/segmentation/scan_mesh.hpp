@@ -18,6 +18,9 @@ struct MeshOptions {
   bool is_closed = false;
 };
 
+/// Throws Error (kInput): no point, or no rows.
+void ExpectOrganised(const PointCloud& cloud);
+
 /// A surface through an organised cloud: every point may be linked to its 8 neighbours in the scan
 /// before, its own, and the next (thesis section 4.2).
 ///
@@ -31,8 +34,12 @@ class ScanMesh {
   /// Throws Error (kInput): the cloud is not organised, or is empty.
   void Build(const PointCloud& cloud, const MeshOptions& options);
 
-  /// A picture's grid: every link is there, and no point has a place.  Throws the same.
-  void BuildGrid(std::size_t width, std::size_t height);
+  /// The same, one scan after another: a mesh of no scan yet, and then `width` points each.  A
+  /// point's links to the next scan are there when that one is.
+  void Begin(std::size_t width, const MeshOptions& options);
+  void AddRow(const Eigen::Vector3f* points);
+  /// A row of a picture's grid: every link is there, and no point has a place.
+  void AddGridRow();
 
   std::size_t Width() const { return width_; }
   std::size_t Height() const { return height_; }
@@ -52,9 +59,18 @@ class ScanMesh {
   const float* Z() const { return z_.data(); }
 
  private:
-  void SetSize(std::size_t width, std::size_t height);
+  struct Cuts {
+    float longest2 = 0;     // m^2
+    float cos2 = 0;         // of the grazing angle
+    bool is_round = false;  // the last column neighbours the first
+  };
+  static bool IsLink(float px, float py, float pz, float qx, float qy, float qz, const Cuts& cuts);
+  void Link(std::size_t first, std::size_t count, Direction direction);
+  void LinkSeam(std::size_t p, std::size_t q);
+  void AddEmptyRow();
 
   std::size_t width_ = 0, height_ = 0;
+  Cuts cuts_;
   std::ptrdiff_t steps_[kDirections] = {};
   std::vector<float> x_, y_, z_;
   std::vector<std::uint8_t> links_;

@@ -57,28 +57,61 @@ SegmentOptions DefaultsOf(SegmentMethod method) {
   return options;
 }
 
-const std::vector<std::uint32_t>& Segmenter::Segment(const PointCloud& cloud) {
-  const SegmentMethod method = options_.method;
-  const bool by_colour = method == SegmentMethod::kJoint || method == SegmentMethod::kColour ||
-                         method == SegmentMethod::kImage;
-  const bool by_normals = method == SegmentMethod::kJoint || method == SegmentMethod::kNormals;
-  if (by_colour && cloud.colours.size() != cloud.Size())
-    throw Error("the cloud has no colours, which this method segments by", ErrorKind::kInput);
-  if (method == SegmentMethod::kImage)
-    mesh_.BuildGrid(cloud.width, cloud.height);
+bool Segmenter::ByColour() const {
+  return options_.method == SegmentMethod::kJoint || options_.method == SegmentMethod::kColour ||
+         options_.method == SegmentMethod::kImage;
+}
+
+void Segmenter::Begin(std::size_t width) {
+  if (width == 0) throw Error("expected scans of at least one point", ErrorKind::kUsage);
+  width_ = width;
+  mesh_.Begin(width, options_.mesh);
+  normals_.Begin(width, options_.normal_radius);
+  weights_.Begin(ByColour() ? EdgeOrder::kColour : EdgeOrder::kAngle);
+}
+
+void Segmenter::Add(const Eigen::Vector3f* points, const Rgb* colours) {
+  if (options_.method == SegmentMethod::kImage)
+    mesh_.AddGridRow();
   else
-    mesh_.Build(cloud, options_.mesh);
-  if (method == SegmentMethod::kConvex) {
-    normals_.Compute(mesh_, options_.normal_radius);
+    mesh_.AddRow(points);
+  if (ByNormals()) normals_.Extend(mesh_);
+  if (options_.method == SegmentMethod::kConvex) return;
+  if (ByColour()) weights_.AddColours(colours, width_);
+  weights_.Extend(mesh_, ByNormals() ? &normals_ : nullptr);
+}
+
+void Segmenter::AddScan(Span<const Eigen::Vector3f> points, Span<const Rgb> colours) {
+  if (width_ == 0) throw Error("expected Begin before a scan", ErrorKind::kUsage);
+  if (points.size() != width_ || (ByColour() && colours.size() != width_))
+    throw Error("expected scans of " + std::to_string(width_) + " points" +
+                    (ByColour() ? ", each with a colour" : ""),
+                ErrorKind::kUsage);
+  Add(points.data(), colours.data());
+}
+
+const std::vector<std::uint32_t>& Segmenter::Finish() {
+  if (width_ == 0 || mesh_.Height() < 2)
+    throw Error("a cloud of fewer than two scans", ErrorKind::kInput);
+  width_ = 0;
+  if (ByNormals()) normals_.Finish(mesh_);
+  if (options_.method == SegmentMethod::kConvex) {
     convex_.Segment(mesh_, normals_, options_.convex);
     return convex_.Labels();
   }
-  if (by_normals) normals_.Compute(mesh_, options_.normal_radius);
-  weights_.Compute(mesh_, by_colour ? cloud.colours.data() : nullptr,
-                   by_normals ? &normals_ : nullptr,
-                   by_colour ? EdgeOrder::kColour : EdgeOrder::kAngle);
+  weights_.Finish(mesh_, ByNormals() ? &normals_ : nullptr);
   graph_.Segment(mesh_, weights_.Sorted(), options_.graph);
   return graph_.Labels();
+}
+
+const std::vector<std::uint32_t>& Segmenter::Segment(const PointCloud& cloud) {
+  if (ByColour() && cloud.colours.size() != cloud.Size())
+    throw Error("the cloud has no colours, which this method segments by", ErrorKind::kInput);
+  ExpectOrganised(cloud);
+  Begin(cloud.width);
+  for (std::size_t i = 0; i < cloud.Size(); i += cloud.width)
+    Add(&cloud.in_sensor[i], ByColour() ? &cloud.colours[i] : nullptr);
+  return Finish();
 }
 
 std::size_t Segmenter::SegmentCount() const {

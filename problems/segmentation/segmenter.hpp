@@ -10,6 +10,7 @@
 #include "graticule/problems/segmentation/graph_segmentation.hpp"
 #include "graticule/problems/segmentation/scan_mesh.hpp"
 #include "graticule/problems/segmentation/surface_normals.hpp"
+#include "graticule/solver/span.hpp"
 
 namespace graticule {
 
@@ -40,7 +41,13 @@ SegmentOptions DefaultsOf(SegmentMethod method);
 
 /// Segments organised clouds, frame after frame: nothing is allocated after the first of a size.
 ///
-/// Deterministic: the same cloud, the same labels.  Not for several threads at once; one a thread.
+/// A cloud is given whole, or scan by scan as a laser takes them: Begin, AddScan for each, Finish.
+/// Of a scan that is added the links to the one before are found at once, normals `normal_radius`
+/// scans later, and weights one scan after that; what needs all edges, Algorithm 4.1 itself, is
+/// left to Finish.
+///
+/// Deterministic: the same points, the same labels, either way.  Not for several threads at once;
+/// one a thread.
 class Segmenter {
  public:
   explicit Segmenter(const SegmentOptions& options) : options_(options) {}
@@ -50,12 +57,29 @@ class Segmenter {
   /// not organised, no point, no colours where the method asks for them.
   const std::vector<std::uint32_t>& Segment(const PointCloud& cloud);
 
+  /// A cloud whose scans have `width` points each; what was begun before is forgotten.
+  void Begin(std::size_t width);
+  /// The next scan: points in the sensor's frame [m], not finite where there was no return, and
+  /// their colours; empty where the method does not ask for them.  Nothing is kept of the lists.
+  /// Throws Error (kUsage): not `width` of them, or nothing was begun.
+  void AddScan(Span<const Eigen::Vector3f> points, Span<const Rgb> colours = {});
+  /// Labels as Segment's.  Throws Error (kInput): fewer than two scans.
+  const std::vector<std::uint32_t>& Finish();
+
   std::size_t SegmentCount() const;
+  /// Of the scans so far; normals of Normals().Rows() of them.
   const ScanMesh& Mesh() const { return mesh_; }
   const SurfaceNormals& Normals() const { return normals_; }
 
  private:
+  bool ByColour() const;
+  bool ByNormals() const {
+    return options_.method != SegmentMethod::kColour && options_.method != SegmentMethod::kImage;
+  }
+  void Add(const Eigen::Vector3f* points, const Rgb* colours);
+
   SegmentOptions options_;
+  std::size_t width_ = 0;  // of the scans that are being added; 0: Begin comes next
   ScanMesh mesh_;
   SurfaceNormals normals_;
   EdgeWeights weights_;

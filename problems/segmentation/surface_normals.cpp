@@ -118,7 +118,7 @@ Eigen::Vector3f LeastDirection(const float* c) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(matrix).eigenvectors().col(0);
 }
 
-void SurfaceNormals::SumRow(const ScanMesh& mesh, std::size_t row, int radius, float* sums) {
+void SurfaceNormals::SumRow(const ScanMesh& mesh, std::size_t row, float* sums) {
   const std::size_t width = mesh.Width(), i = row * width;
   Moments to(sums, width);
   std::fill(sums, sums + width, 1.0f);
@@ -128,7 +128,7 @@ void SurfaceNormals::SumRow(const ScanMesh& mesh, std::size_t row, int radius, f
   float* reach = reach_.data();
   for (const int side : {1, -1}) {
     std::fill(reach, reach + width, 1.0f);
-    for (int k = 1; k <= radius && static_cast<std::size_t>(k) < width; ++k) {
+    for (int k = 1; k <= radius_ && static_cast<std::size_t>(k) < width; ++k) {
       const std::size_t step = static_cast<std::size_t>(k);
       const std::size_t first = side > 0 ? 0 : step, last = side > 0 ? width - step : width;
       // The link between the last point reached and the next.
@@ -140,9 +140,9 @@ void SurfaceNormals::SumRow(const ScanMesh& mesh, std::size_t row, int radius, f
   }
 }
 
-void SurfaceNormals::SumColumns(const ScanMesh& mesh, std::size_t row, int radius) {
+void SurfaceNormals::SumColumns(const ScanMesh& mesh, std::size_t row) {
   const std::size_t width = mesh.Width(), i = row * width;
-  const std::size_t kept = 2 * static_cast<std::size_t>(radius) + 1;
+  const std::size_t kept = 2 * static_cast<std::size_t>(radius_) + 1;
   const float* own = &row_sums_[row % kept * kMoments * width];
   std::copy(own, own + kMoments * width, sums_.begin());
   Moments to(sums_.data(), width);
@@ -150,7 +150,7 @@ void SurfaceNormals::SumColumns(const ScanMesh& mesh, std::size_t row, int radiu
   float* reach = reach_.data();
   for (const int side : {1, -1}) {
     std::fill(reach, reach + width, 1.0f);
-    for (int k = 1; k <= radius; ++k) {
+    for (int k = 1; k <= radius_; ++k) {
       const std::ptrdiff_t other = static_cast<std::ptrdiff_t>(row) + side * k;
       if (other < 0 || other >= static_cast<std::ptrdiff_t>(mesh.Height())) break;
       const std::size_t upper = static_cast<std::size_t>(side > 0 ? other - 1 : other);
@@ -234,24 +234,38 @@ void SurfaceNormals::FitRow(const ScanMesh& mesh, std::size_t row) {
   }
 }
 
-void SurfaceNormals::Compute(const ScanMesh& mesh, int radius) {
-  radius = std::clamp(radius, 1, kLargestRadius);
-  const std::size_t width = mesh.Width(), height = mesh.Height();
-  const std::size_t reach = static_cast<std::size_t>(radius), kept = 2 * reach + 1;
-  x_.resize(mesh.Size());
-  y_.resize(mesh.Size());
-  z_.resize(mesh.Size());
-  roughness_.resize(mesh.Size());
-  row_sums_.resize(kept * kMoments * width);
+void SurfaceNormals::Begin(std::size_t width, int radius) {
+  radius_ = std::clamp(radius, 1, kLargestRadius);
+  rows_ = summed_ = 0;
+  for (std::vector<float>* list : {&x_, &y_, &z_, &roughness_}) list->clear();
+  row_sums_.resize((2 * static_cast<std::size_t>(radius_) + 1) * kMoments * width);
   sums_.resize(kMoments * width);
   reach_.resize(width);
-  std::size_t summed = 0;
-  for (std::size_t row = 0; row < height; ++row) {
-    for (; summed < height && summed <= row + reach; ++summed)
-      SumRow(mesh, summed, radius, &row_sums_[summed % kept * kMoments * width]);
-    SumColumns(mesh, row, radius);
-    FitRow(mesh, row);
+}
+
+void SurfaceNormals::FitUntil(const ScanMesh& mesh, std::size_t end) {
+  const std::size_t width = mesh.Width(), reach = static_cast<std::size_t>(radius_);
+  const std::size_t kept = 2 * reach + 1;
+  if (rows_ < end)
+    for (std::vector<float>* list : {&x_, &y_, &z_, &roughness_}) list->resize(end * width);
+  for (; rows_ < end; ++rows_) {
+    for (; summed_ < mesh.Height() && summed_ <= rows_ + reach; ++summed_)
+      SumRow(mesh, summed_, &row_sums_[summed_ % kept * kMoments * width]);
+    SumColumns(mesh, rows_);
+    FitRow(mesh, rows_);
   }
+}
+
+void SurfaceNormals::Extend(const ScanMesh& mesh) {
+  const std::size_t reach = static_cast<std::size_t>(radius_);
+  if (mesh.Height() > reach) FitUntil(mesh, mesh.Height() - reach);
+}
+
+void SurfaceNormals::Finish(const ScanMesh& mesh) { FitUntil(mesh, mesh.Height()); }
+
+void SurfaceNormals::Compute(const ScanMesh& mesh, int radius) {
+  Begin(mesh.Width(), radius);
+  Finish(mesh);
 }
 
 }  // namespace graticule

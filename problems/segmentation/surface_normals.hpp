@@ -18,6 +18,14 @@ class SurfaceNormals {
   void Compute(const ScanMesh& mesh, int radius);
   static constexpr int kLargestRadius = 16;
 
+  /// The same while a mesh grows: Extend after each of its rows finds the normals of those whose
+  /// windows are there, which is `radius` rows late; Finish finds the last ones.
+  void Begin(std::size_t width, int radius);
+  void Extend(const ScanMesh& mesh);
+  void Finish(const ScanMesh& mesh);
+  /// Rows whose normals are known.
+  std::size_t Rows() const { return rows_; }
+
   /// Components, a list each; all zero where fewer than three points or a line of points are
   /// linked.
   const float* X() const { return x_.data(); }
@@ -27,10 +35,13 @@ class SurfaceNormals {
   const float* Roughness() const { return roughness_.data(); }
 
  private:
-  void SumRow(const ScanMesh& mesh, std::size_t row, int radius, float* sums);
-  void SumColumns(const ScanMesh& mesh, std::size_t row, int radius);
+  void FitUntil(const ScanMesh& mesh, std::size_t end);
+  void SumRow(const ScanMesh& mesh, std::size_t row, float* sums);
+  void SumColumns(const ScanMesh& mesh, std::size_t row);
   void FitRow(const ScanMesh& mesh, std::size_t row);
 
+  int radius_ = 1;
+  std::size_t rows_ = 0, summed_ = 0;
   std::vector<float> x_, y_, z_, roughness_;
   std::vector<float> row_sums_;  // of the rows that a window covers, kMoments lists each
   std::vector<float> sums_;      // of the windows of a row
