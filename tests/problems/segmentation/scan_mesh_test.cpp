@@ -77,7 +77,6 @@ TEST(ScanMesh, RefusesWhatHasNoRows) {
   EXPECT_THROW(mesh.Build(cloud, {}), Error);
   cloud.height = 2;  // and three points
   EXPECT_THROW(mesh.Build(cloud, {}), Error);
-  EXPECT_THROW(mesh.BuildGrid(3, 1), Error);
 }
 
 TEST(ScanMesh, OfNoReturnAtAllHasNoEdge) {
@@ -91,7 +90,8 @@ TEST(ScanMesh, OfNoReturnAtAllHasNoEdge) {
 
 TEST(ScanMesh, OfAPictureLinksAllNeighbours) {
   ScanMesh mesh;
-  mesh.BuildGrid(4, 3);
+  mesh.Begin(4, {});
+  for (int row = 0; row < 3; ++row) mesh.AddGridRow();
   EXPECT_EQ(mesh.EdgeCount(), 3u * 3 + 2 * 4 + 2 * 2 * 3);
 }
 

@@ -62,5 +62,18 @@ TEST_F(SegmentRecorded, ColourAndNormalsAreBetterThanEitherAlone) {
   EXPECT_GT(joint, score_of(SegmentMethod::kNormals) + 0.1);
 }
 
+// A LIDAR that turns, 64 beams, beam by beam.
+TEST_F(SegmentRecorded, BeamByBeamSaysWhatTheWholeScanDoes) {
+  const PointCloud cloud = ReadCloud(GRATICULE_DATA_DIR "/segment/kitti3/velodyne/000001.bin");
+  for (const SegmentMethod method : {SegmentMethod::kConvex, SegmentMethod::kNormals}) {
+    Segmenter whole(DefaultsOf(method)), beams(DefaultsOf(method));
+    beams.Begin(cloud.width);
+    for (std::size_t i = 0; i < cloud.Size(); i += cloud.width)
+      beams.AddScan({&cloud.in_sensor[i], cloud.width});
+    EXPECT_EQ(whole.Segment(cloud), beams.Finish());
+    EXPECT_GT(whole.SegmentCount(), 20u);
+  }
+}
+
 }  // namespace
 }  // namespace graticule
