@@ -125,18 +125,35 @@ struct CalibrateGuideCommand {
   bool json = false;
 };
 
+/// Numbers of segmentation; below 0: as the method has them.
+struct SegmentChoosing {
+  double edge_cut_m = -1, grazing_deg = -1, k_colour = -1, k_normal = -1, concave_deg = -1;
+  double normal_radius = -1, min_size = -1;  ///< whole numbers
+  bool is_closed = false;
+};
+
 struct SegmentCommand {
   std::string cloud;       ///< a file that ReadCloud reads
   std::string image, rig;  ///< "" or a picture and how the LIDAR is to its camera
   std::string method = "convex";
+  SegmentChoosing choosing;
   std::string output;                ///< "" or a cloud with labels
   std::string colours = "false";     ///< of the output: "false", "mean", "own"
   std::string picture, label_image;  ///< "" or .png
-  bool json = false, keep_unseen = false, is_closed = false;
-  // Below 0: as the method has it.
-  double edge_cut_m = -1, grazing_deg = -1, k_colour = -1, k_normal = -1, concave_deg = -1;
-  int normal_radius = -1, min_size = -1;
+  std::string report;                ///< "" or .html
+  bool json = false, keep_unseen = false;
   int stride = 1;  ///< every so many rows and columns
+};
+
+struct SegmentEvaluateCommand {
+  std::vector<std::string> scans;  ///< with labels, or beside `truth`
+  std::vector<std::string> truth;  ///< none, or a cloud with labels for each
+  std::vector<std::string> methods = {"convex", "joint", "normals", "colour", "image"};
+  SegmentChoosing choosing;
+  std::vector<std::string> sweeps;  ///< "k-rgb=1000,3000"
+  int least_object = 1;
+  std::string plot, report;  ///< "" or files
+  bool json = false;
 };
 
 struct CoregisterCommand {
@@ -301,6 +318,7 @@ int Run(const CalibrateEvaluateCommand& command, const Console& console);
 int Run(const CalibrateGuideCommand& command, const Console& console);
 int Run(const CalibrateTargetCommand& command, const Console& console);
 int Run(const SegmentCommand& command, const Console& console);
+int Run(const SegmentEvaluateCommand& command, const Console& console);
 int Run(const CoregisterCommand& command, const Console& console);
 int Run(const SignalFitCommand& command, const Console& console);
 int Run(const SignalPredictCommand& command, const Console& console);

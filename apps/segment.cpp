@@ -9,40 +9,23 @@
 #include "graticule/io/file.hpp"
 #include "graticule/io/photo.hpp"
 #include "graticule/io/rig.hpp"
+#include "graticule/io/segment_report.hpp"
 #include "graticule/problems/segmentation/colour_cloud.hpp"
 #include "graticule/problems/segmentation/segment_statistics.hpp"
 #include "graticule/problems/segmentation/segmenter.hpp"
 #include "graticule/solver/stopwatch.hpp"
 #include "problem.hpp"
+#include "segment_choosing.hpp"
 #include "segment_files.hpp"
 
 namespace graticule::apps {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-
-SegmentOptions OptionsOf(const SegmentCommand& command) {
-  SegmentOptions options = DefaultsOf(SegmentMethodOf(command.method));
-  // A LIDAR that turns sees the ground far ahead, flatly, and its beams are far apart there.
-  const std::string& name = command.cloud;
-  const bool is_spinning = name.size() > 4 && name.compare(name.size() - 4, 4, ".bin") == 0;
-  if (is_spinning) options.mesh = {2, 2 * kDegree, true};
-  options.mesh.is_closed |= command.is_closed;
-  if (command.edge_cut_m >= 0) options.mesh.edge_cut_m = command.edge_cut_m;
-  if (command.grazing_deg >= 0) options.mesh.grazing_rad = command.grazing_deg * kDegree;
-  if (command.normal_radius >= 0) options.normal_radius = command.normal_radius;
-  if (command.k_colour >= 0) options.graph.k_colour = command.k_colour;
-  if (command.k_normal >= 0) options.graph.k_normal = command.k_normal;
-  if (command.concave_deg >= 0) options.convex.concave_angle_rad = command.concave_deg * kDegree;
-  if (command.min_size >= 0)
-    options.graph.min_size = options.convex.min_size = static_cast<std::size_t>(command.min_size);
-  return options;
-}
-
 // Every so many rows and columns (thesis section 4.2: finer scans are noisier normals).
 PointCloud Thinned(const PointCloud& cloud, std::size_t stride) {
   if (stride == 1) return cloud;
   PointCloud thin;
+  thin.is_spinning = cloud.is_spinning;
   thin.width = (cloud.width + stride - 1) / stride;
   thin.height = (cloud.height + stride - 1) / stride;
   const auto take = [&](const auto& from, auto* to) {
@@ -79,6 +62,45 @@ void CheckWords(const SegmentCommand& command) {
   if (!command.output.empty()) ExpectEnding(command.output, "--output", {".ply", ".pcd"});
   if (!command.picture.empty()) ExpectEnding(command.picture, "--picture", {".png"});
   if (!command.label_image.empty()) ExpectEnding(command.label_image, "--label-image", {".png"});
+  if (!command.report.empty()) ExpectEnding(command.report, "--report", {".html"});
+}
+
+std::string Places(const Eigen::Vector3d& v) {
+  return fmt::format("{:.2f} {:.2f} {:.2f}", v.x(), v.y(), v.z());
+}
+
+SegmentReport ReportOf(const SegmentCommand& command, const SegmentOptions& options,
+                       const PointCloud& cloud, const ColourImage& picture,
+                       const std::vector<SegmentStatistics>& segments, double seconds) {
+  SegmentReport report;
+  report.title = fmt::format("{} in {} segments", command.cloud, segments.size());
+  report.facts = {{"scan", fmt::format("{} x {}{}", cloud.width, cloud.height,
+                                       cloud.is_spinning ? ", all around" : "")},
+                  {"method", command.method},
+                  {"time", Seconds(seconds)}};
+  const auto fact = [&](const char* name, double number) {
+    report.facts.emplace_back(name, fmt::format("{:.4g}", number));
+  };
+  for (const SegmentParameter& parameter : ParametersOf(options.method))
+    fact(parameter.label, parameter.value(options));
+  report.pictures.push_back(
+      {cloud.colours.empty() ? "The scan (nearer is brighter), and its segments in false colours"
+                             : "The scan, its segments in false colours, and in mean colours",
+       FormatPng(picture), picture.width, picture.height});
+  for (const SegmentStatistics& segment : segments) {
+    SegmentReport::Segment row;
+    row.label = segment.label;
+    row.points = segment.points;
+    row.centre = Places(segment.centre);
+    row.extent = Places(segment.most - segment.least);
+    row.off_plane_m = segment.spread.z();
+    if (segment.has_colour)
+      row.mean_colour =
+          fmt::format("#{:02x}{:02x}{:02x}", std::lround(segment.mean_colour.x()),
+                      std::lround(segment.mean_colour.y()), std::lround(segment.mean_colour.z()));
+    report.segments.push_back(std::move(row));
+  }
+  return report;
 }
 
 void PrintLargest(const std::vector<SegmentStatistics>& segments) {
@@ -91,10 +113,8 @@ void PrintLargest(const std::vector<SegmentStatistics>& segments) {
              "off its plane [m]");
   for (const SegmentStatistics* s : by_size) {
     const Eigen::Vector3d extent = s->most - s->least;
-    fmt::print("{:>7} {:>9}  {:<24} {:<20} {:.3f}\n", s->label, s->points,
-               fmt::format("{:.2f} {:.2f} {:.2f}", s->centre.x(), s->centre.y(), s->centre.z()),
-               fmt::format("{:.2f} {:.2f} {:.2f}", extent.x(), extent.y(), extent.z()),
-               s->spread.z());
+    fmt::print("{:>7} {:>9}  {:<24} {:<20} {:.3f}\n", s->label, s->points, Places(s->centre),
+               Places(extent), s->spread.z());
   }
   if (by_size.size() < segments.size())
     fmt::print("... and {} smaller ones\n", segments.size() - by_size.size());
@@ -103,22 +123,27 @@ void PrintLargest(const std::vector<SegmentStatistics>& segments) {
 }  // namespace
 
 int Run(const SegmentCommand& command, const Console& console) {
+  if (command.cloud.empty())
+    throw Error("expected a cloud, or evaluate and clouds with labels", ErrorKind::kUsage);
   CheckWords(command);
   PointCloud cloud = Thinned(ReadCloud(command.cloud), static_cast<std::size_t>(command.stride));
   CloudColours colours;
   if (!command.image.empty()) cloud = ColouredByImage(command, cloud, &colours);
-  Segmenter segmenter(OptionsOf(command));
+  const SegmentOptions options =
+      OptionsOf(SegmentMethodOf(command.method), command.choosing, cloud);
+  Segmenter segmenter(options);
   std::vector<std::uint32_t> labels;
   const Stopwatch watch;
-  try {
-    labels = segmenter.Segment(cloud);
-  } catch (const Error& error) {
-    throw Error(command.cloud + ": " + error.what(), error.Kind());
-  }
+  About(command.cloud, [&] { return labels = segmenter.Segment(cloud), 0; });
   const double seconds = watch.Elapsed().wall;
-  const auto segments = StatisticsOf(cloud, labels, segmenter.SegmentCount());
-  if (!command.picture.empty())
-    WriteFile(command.picture, FormatSegmentPicture(cloud, labels, segments));
+  const auto segments = StatisticsOf(cloud, labels, segmenter.SegmentCount(), colours.is_seen);
+  if (!command.picture.empty() || !command.report.empty()) {
+    const ColourImage picture = DrawSegments(cloud, labels, segments);
+    if (!command.picture.empty()) WriteFile(command.picture, FormatPng(picture));
+    if (!command.report.empty())
+      WriteFile(command.report,
+                SegmentReportHtml(ReportOf(command, options, cloud, picture, segments, seconds)));
+  }
   if (!command.label_image.empty()) WriteFile(command.label_image, FormatLabelImage(cloud, labels));
   if (!command.output.empty()) {
     PointCloud out = cloud;

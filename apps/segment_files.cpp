@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "graticule/io/photo.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule::apps {
@@ -43,8 +42,8 @@ nlohmann::ordered_json Triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), 
 
 }  // namespace
 
-std::string FormatSegmentPicture(const PointCloud& cloud, const std::vector<std::uint32_t>& labels,
-                                 const std::vector<SegmentStatistics>& segments) {
+ColourImage DrawSegments(const PointCloud& cloud, const std::vector<std::uint32_t>& labels,
+                         const std::vector<SegmentStatistics>& segments) {
   const bool has_colours = !cloud.colours.empty();
   ColourImage image;
   image.width = cloud.width;
@@ -54,7 +53,7 @@ std::string FormatSegmentPicture(const PointCloud& cloud, const std::vector<std:
   Append(FalseColours(labels), times, &image);
   if (has_colours) Append(MeanColours(labels, segments), times, &image);
   image.height = image.rgb.size() / 3 / image.width;
-  return FormatPng(image);
+  return image;
 }
 
 std::string FormatLabelImage(const PointCloud& cloud, const std::vector<std::uint32_t>& labels) {

@@ -57,6 +57,7 @@ int Run(const CalibrateEvaluateCommand&, const Console&) { return Become(kVision
 int Run(const CalibrateGuideCommand&, const Console&) { return Become(kVision); }
 int Run(const CalibrateTargetCommand&, const Console&) { return Become(kVision); }
 int Run(const SegmentCommand&, const Console&) { return Become(kVision); }
+int Run(const SegmentEvaluateCommand&, const Console&) { return Become(kVision); }
 int Run(const SimulateSceneCommand&, const Console&) { return Become(kVision); }
 int Run(const CoregisterCommand&, const Console&) { return Become(kVision); }
 

@@ -1,30 +1,16 @@
 // Time of segmentation on one core: the thesis' scene at full resolution (151,200 points), twice
-// that, its down-sampled one, flatness of the time per point, and the recorded table scenes.
+// that, its down-sampled one, the end of a sweep, and the recorded table scenes.
 
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
-#include <set>
 
 #include "graticule/io/cloud_files.hpp"
-#include "graticule/problems/segmentation/colour_cloud.hpp"
 #include "graticule/problems/segmentation/segmenter.hpp"
-#include "graticule/problems/segmentation/simulate_scene.hpp"
+#include "segmentation_scenes.hpp"
 
 namespace graticule {
 namespace {
-
-// The hallway, coloured; points that the picture does not show stay, without a colour.
-PointCloud Hallway(std::size_t scans, std::size_t bearings) {
-  SceneOptions options;
-  options.scans = scans;
-  options.bearings = bearings;
-  options.bearing_step_rad = 720 * 0.00436332 / static_cast<double>(bearings);
-  const SimulatedScene scene = SimulateScene("hallway", options);
-  return Coloured(
-      scene.cloud,
-      ColoursOf(scene.cloud, scene.image, Camera(scene.camera), scene.camera_from_lidar), true);
-}
 
 void Run(benchmark::State& state, const PointCloud& cloud, SegmentMethod method) {
   Segmenter segmenter(DefaultsOf(method));
@@ -57,25 +43,24 @@ BENCHMARK(Convex)
     ->Args({44, 90})
     ->Unit(benchmark::kMillisecond);
 
-// 10^4 to 10^7 points: tiles of one scene.
-void Flat(benchmark::State& state) {
-  const PointCloud tile = Hallway(100, 100);
-  const std::size_t times = static_cast<std::size_t>(state.range(0));
-  PointCloud cloud;
-  cloud.width = 100 * times;
-  cloud.height = 100 * times;
-  for (std::size_t r = 0; r < cloud.height; ++r)
-    for (std::size_t c = 0; c < cloud.width; ++c) {
-      const std::size_t i = r % 100 * 100 + c % 100;
-      cloud.in_sensor.push_back(tile.in_sensor[i]);
-      cloud.colours.push_back(tile.colours[i]);
-    }
-  Run(state, cloud, state.range(1) == 0 ? SegmentMethod::kJoint : SegmentMethod::kConvex);
+// What is left to do when the last scan of the hallway has come in: Algorithm 4.1 itself.
+void LastScan(benchmark::State& state) {
+  const PointCloud cloud = Hallway(210, 720);
+  Segmenter segmenter(
+      DefaultsOf(state.range(0) == 0 ? SegmentMethod::kJoint : SegmentMethod::kConvex));
+  const auto add = [&](std::size_t i) {
+    segmenter.AddScan({&cloud.in_sensor[i], cloud.width}, {&cloud.colours[i], cloud.width});
+  };
+  for (auto _ : state) {
+    state.PauseTiming();
+    segmenter.Begin(cloud.width);
+    for (std::size_t i = 0; i + cloud.width < cloud.Size(); i += cloud.width) add(i);
+    state.ResumeTiming();
+    add(cloud.Size() - cloud.width);
+    benchmark::DoNotOptimize(segmenter.Finish().data());
+  }
 }
-BENCHMARK(Flat)
-    ->ArgsProduct({{1, 3, 10, 32}, {0, 1}})
-    ->ArgNames({"tiles", "convex"})
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK(LastScan)->Arg(0)->Arg(1)->ArgName("convex")->Unit(benchmark::kMillisecond);
 
 void RecordedTable(benchmark::State& state) {
   const std::string path = GRATICULE_DATA_DIR "/segment/mosd/test/test59.pcd";

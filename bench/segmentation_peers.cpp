@@ -31,7 +31,7 @@ using Method = std::function<Labels(const PointCloud&)>;
 void Report(const std::string& name, const std::vector<PointCloud>& scenes, const Method& method) {
   ScoreOptions options;
   options.least_object = 20;
-  SegmentScore mean;
+  std::vector<SegmentScore> scores;
   double seconds = 0;
   const double share = 1 / static_cast<double>(scenes.size());
   for (const PointCloud& scene : scenes) {
@@ -40,21 +40,12 @@ void Report(const std::string& name, const std::vector<PointCloud>& scenes, cons
     const Labels labels = method(scene);
     seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     options.width = scene.width;
-    const SegmentScore score = ScoreOf(scene.labels, labels, options);
-    mean.weighted_overlap += share * score.weighted_overlap;
-    mean.achievable += share * score.achievable;
-    mean.under_segmentation += share * score.under_segmentation;
-    mean.boundary_recall += share * score.boundary_recall;
-    const double objects = static_cast<double>(score.objects);
-    mean.mean_f += score.mean_f * objects;
-    mean.found += score.found * objects;
-    mean.objects += score.objects;
-    mean.segments += score.segments;
+    scores.push_back(ScoreOf(scene.labels, labels, options));
   }
-  const double objects = static_cast<double>(mean.objects);
+  const SegmentScore mean = MeanOf(scores);
   fmt::print("{:<18} {:8.1f} {:7.3f} {:7.3f} {:7.3f} {:7.3f} {:7.3f} {:7.3f} {:9.1f}\n", name,
              1e3 * seconds * share, mean.weighted_overlap, mean.achievable, mean.under_segmentation,
-             mean.boundary_recall, mean.mean_f / objects, mean.found / objects,
+             mean.boundary_recall, mean.mean_f, mean.found,
              static_cast<double>(mean.segments) * share);
 }
 

@@ -28,6 +28,8 @@ struct PointCloud {
   std::vector<Rgb> colours;
   std::vector<float> intensities;
   std::vector<std::uint32_t> labels;  ///< 0: none
+  /// Rows are beams of a LIDAR that turns all around: the last column is beside the first.
+  bool is_spinning = false;
 
   std::size_t Size() const { return in_sensor.size(); }
   bool IsOrganised() const { return height > 1; }

@@ -11,9 +11,8 @@
 namespace graticule {
 namespace {
 
-std::string EndingOf(std::filesystem::path path) {
-  if (path.extension() == ".gz") path.replace_extension();
-  return path.extension().string();
+std::string EndingOf(const std::string& path) {
+  return std::filesystem::path(WithoutGz(path)).extension().string();
 }
 
 }  // namespace

@@ -122,6 +122,7 @@ PointCloud OrganiseSpinning(const PointCloud& cloud, const SpinningOptions& opti
   }
 
   PointCloud grid;
+  grid.is_spinning = true;
   grid.width = width;
   grid.height = rows.size();
   const std::size_t cells = width * rows.size();

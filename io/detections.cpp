@@ -107,11 +107,6 @@ std::set<std::string> Ambiguous(const Detections& part, NameOfExposure name_of) 
   return ambiguous;
 }
 
-bool EndsWith(const std::string& path, std::string_view ending) {
-  return path.size() >= ending.size() &&
-         path.compare(path.size() - ending.size(), ending.size(), ending) == 0;
-}
-
 /// The only file with this ending in the folder of `path` or the one above; "" if there is none.
 std::string Beside(const std::string& path, std::string_view ending) {
   const fs::path folder = fs::absolute(path).parent_path();
@@ -119,7 +114,7 @@ std::string Beside(const std::string& path, std::string_view ending) {
     std::vector<std::string> found;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(where, ignored))
-      if (EndsWith(entry.path().string(), ending)) found.push_back(entry.path().string());
+      if (HasEnding(entry.path().string(), ending)) found.push_back(entry.path().string());
     if (found.size() > 1)
       throw Error(path + ": there are " + std::to_string(found.size()) + " *" +
                   std::string(ending) + " in " + where.string() + "; name one");
@@ -243,18 +238,18 @@ Detections ReadDetections(const std::vector<std::string>& paths,
   std::vector<std::string> names, babelcalib;
   std::string board, places;
   for (const std::string& path : paths) {
-    if (EndsWith(path, ".orpc")) {
+    if (HasEnding(path, ".orpc")) {
       babelcalib.push_back(path);
       continue;
     }
-    if (EndsWith(path, ".dsc") || EndsWith(path, ".tp")) {
-      std::string& known = EndsWith(path, ".dsc") ? board : places;
+    if (HasEnding(path, ".dsc") || HasEnding(path, ".tp")) {
+      std::string& known = HasEnding(path, ".dsc") ? board : places;
       if (!known.empty()) throw Error(path + ": there is " + known + " already");
       known = path;
       continue;
     }
     const std::string text = ReadFile(path);
-    parts.push_back(EndsWith(path, ".vnl") || EndsWith(path, ".vnl.gz")
+    parts.push_back(HasEnding(path, ".vnl") || HasEnding(path, ".vnl.gz")
                         ? ParseCornerList(text, path, StemOf(path), corner_list)
                         : ParseDetections(text, path));
     if (parts.back().cameras.size() == 1 && parts.back().cameras[0].camera.empty())

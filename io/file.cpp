@@ -105,11 +105,15 @@ int OpenTemporary(const std::string& target, std::string* temporary) {
   return -1;
 }
 
-bool EndsWith(std::string_view text, std::string_view ending) {
-  return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
+}  // namespace
+
+bool HasEnding(std::string_view path, std::string_view ending) {
+  return path.size() > ending.size() && path.substr(path.size() - ending.size()) == ending;
 }
 
-}  // namespace
+std::string_view WithoutGz(std::string_view path) {
+  return HasEnding(path, ".gz") ? path.substr(0, path.size() - 3) : path;
+}
 
 std::string ReadFile(const std::string& path) {
   std::string contents;
@@ -127,7 +131,7 @@ std::string ReadFile(const std::string& path) {
 
 void WriteFile(const std::string& path, std::string_view contents) {
   std::string packed;
-  if (EndsWith(path, ".gz")) contents = packed = Gzip(contents);
+  if (HasEnding(path, ".gz")) contents = packed = Gzip(contents);
 
   struct stat status {};
   const bool exists = ::stat(path.c_str(), &status) == 0;

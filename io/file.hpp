@@ -17,6 +17,11 @@ std::string ReadFile(const std::string& path);
 /// it was.  What is not a regular file (a device, a pipe) is written to directly.
 void WriteFile(const std::string& path, std::string_view contents);
 
+/// Whether a path ends in `.ply`, say, with something before it.
+bool HasEnding(std::string_view path, std::string_view ending);
+/// The path without `.gz`, which says that a file is packed, not what it is.
+std::string_view WithoutGz(std::string_view path);
+
 /// Packs and unpacks; `name` is for the Error.  The same contents give the same bytes: no time, no
 /// name inside.
 std::string Gzip(std::string_view contents);

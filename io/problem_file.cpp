@@ -20,14 +20,6 @@ constexpr Extension kExtensions[] = {{".fg", ProblemFormat::kRecording},
                                      {".toro", ProblemFormat::kToro},
                                      {".bal", ProblemFormat::kBal}};
 
-bool EndsWith(std::string_view text, std::string_view ending) {
-  return text.size() > ending.size() && text.substr(text.size() - ending.size()) == ending;
-}
-
-std::string_view WithoutGz(std::string_view path) {
-  return EndsWith(path, ".gz") ? path.substr(0, path.size() - 3) : path;
-}
-
 bool BeginsWith(std::string_view word, std::string_view beginning) {
   return word.substr(0, beginning.size()) == beginning;
 }
@@ -52,7 +44,7 @@ bool IsNumber(std::string_view word) {
 
 std::optional<ProblemFormat> FormatOfName(std::string_view path) {
   for (const Extension& extension : kExtensions)
-    if (EndsWith(WithoutGz(path), extension.ending)) return extension.format;
+    if (HasEnding(WithoutGz(path), extension.ending)) return extension.format;
   return std::nullopt;
 }
 
@@ -103,7 +95,7 @@ std::vector<std::string> WriteProblem(const std::string& path, const Recording& 
                                       const WriteOptions& options) {
   std::optional<ProblemFormat> format = options.format;
   if (!format) format = FormatOfName(path);
-  if (!format && EndsWith(WithoutGz(path), ".txt")) format = ProblemFormat::kBal;
+  if (!format && HasEnding(WithoutGz(path), ".txt")) format = ProblemFormat::kBal;
   if (!format)
     throw Error(path +
                     ": the name does not say a format; expected .fg, .g2o, .graph, .toro, .bal "

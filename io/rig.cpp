@@ -39,8 +39,8 @@ LidarRig ParseRig(std::string_view text, const std::string& name) {
 }
 
 LidarRig ReadRig(const std::string& path) {
-  const bool is_kitti = path.size() > 4 && path.compare(path.size() - 4, 4, ".txt") == 0;
-  return is_kitti ? ParseKittiRig(ReadFile(path), path) : ParseRig(ReadFile(path), path);
+  return HasEnding(WithoutGz(path), ".txt") ? ParseKittiRig(ReadFile(path), path)
+                                            : ParseRig(ReadFile(path), path);
 }
 
 std::string FormatRig(const LidarRig& rig) {

@@ -210,6 +210,14 @@ void Svg::Text(double x, double y, std::string_view text, Attributes attributes)
   out_ += ">" + EscapeXml(text) + "</text>\n";
 }
 
+void Svg::Nest(double x, double y, std::string_view document) {
+  constexpr std::string_view kRoot = "<svg";
+  const std::size_t root = document.find(kRoot);
+  if (root == std::string_view::npos) return;
+  out_ += "<svg x=\"" + SvgNumber(x) + "\" y=\"" + SvgNumber(y) + "\"";
+  out_ += document.substr(root + kRoot.size());
+}
+
 std::string Svg::Finish() {
   while (!open_.empty()) Close();
   return std::move(out_);

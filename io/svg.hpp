@@ -71,6 +71,9 @@ class Svg {
               std::string_view tooltip = {});
   void Text(double x, double y, std::string_view text, Attributes attributes);
 
+  /// A whole document as a part of this one, at its own size.
+  void Nest(double x, double y, std::string_view document);
+
   /// Closes what is open, and returns the document.
   std::string Finish();
 

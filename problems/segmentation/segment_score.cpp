@@ -81,4 +81,23 @@ SegmentScore ScoreOf(const std::vector<std::uint32_t>& labels,
   return score;
 }
 
+SegmentScore MeanOf(const std::vector<SegmentScore>& scores) {
+  SegmentScore mean;
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(scores.size(), 1));
+  for (const SegmentScore& score : scores) {
+    mean.weighted_overlap += share * score.weighted_overlap;
+    mean.achievable += share * score.achievable;
+    mean.under_segmentation += share * score.under_segmentation;
+    mean.boundary_recall += share * score.boundary_recall;
+    mean.mean_f += score.mean_f * static_cast<double>(score.objects);
+    mean.found += score.found * static_cast<double>(score.objects);
+    mean.objects += score.objects;
+    mean.segments += score.segments;
+  }
+  const double objects = static_cast<double>(std::max<std::size_t>(mean.objects, 1));
+  mean.mean_f /= objects;
+  mean.found /= objects;
+  return mean;
+}
+
 }  // namespace graticule

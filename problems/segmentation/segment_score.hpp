@@ -32,4 +32,8 @@ struct ScoreOptions {
 SegmentScore ScoreOf(const std::vector<std::uint32_t>& labels,
                      const std::vector<std::uint32_t>& segments, const ScoreOptions& options = {});
 
+/// Of several scans: means over scans; mean_f and found over all of their objects; objects and
+/// segments of all together.
+SegmentScore MeanOf(const std::vector<SegmentScore>& scores);
+
 }  // namespace graticule

@@ -25,11 +25,13 @@ Rgb FalseColour(std::uint32_t label) {
 
 std::vector<SegmentStatistics> StatisticsOf(const PointCloud& cloud,
                                             const std::vector<std::uint32_t>& labels,
-                                            std::size_t count) {
-  if (labels.size() != cloud.Size())
+                                            std::size_t count,
+                                            const std::vector<std::uint8_t>& is_coloured) {
+  if (labels.size() != cloud.Size() || (!is_coloured.empty() && is_coloured.size() != cloud.Size()))
     throw Error("labels and cloud of different numbers of points", ErrorKind::kUsage);
   std::vector<SegmentStatistics> segments(count);
-  const bool has_colour = cloud.colours.size() == cloud.Size() && cloud.Size() > 0;
+  std::vector<double> coloured(count, 0);
+  const bool has_colours = cloud.colours.size() == cloud.Size() && cloud.Size() > 0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (labels[i] == 0) continue;
     if (labels[i] > count) throw Error("a label above the number of segments", ErrorKind::kUsage);
@@ -39,16 +41,18 @@ std::vector<SegmentStatistics> StatisticsOf(const PointCloud& cloud,
     segment.most = segment.points == 0 ? point : segment.most.cwiseMax(point);
     ++segment.points;
     segment.centre += point;
-    if (has_colour)
-      segment.mean_colour +=
-          Eigen::Vector3d(cloud.colours[i][0], cloud.colours[i][1], cloud.colours[i][2]);
+    if (!has_colours || (!is_coloured.empty() && is_coloured[i] == 0)) continue;
+    ++coloured[labels[i] - 1];
+    segment.mean_colour +=
+        Eigen::Vector3d(cloud.colours[i][0], cloud.colours[i][1], cloud.colours[i][2]);
   }
   for (SegmentStatistics& segment : segments) {
     segment.label = static_cast<std::uint32_t>(&segment - segments.data() + 1);
-    segment.has_colour = has_colour;
+    const double with_colour = coloured[segment.label - 1];
+    segment.has_colour = with_colour > 0;
     const double share = 1.0 / static_cast<double>(std::max<std::size_t>(segment.points, 1));
     segment.centre *= share;
-    segment.mean_colour *= share;
+    if (with_colour > 0) segment.mean_colour /= with_colour;
   }
   // About the centres: nothing cancels.
   std::vector<Eigen::Matrix3d> spreads(count, Eigen::Matrix3d::Zero());

@@ -20,6 +20,8 @@ constexpr std::array<std::pair<std::string_view, SegmentMethod>, 5> kNames = {{
 // Of a weight that a method has not: never in the way.
 constexpr double kAny = 1e9;
 
+constexpr double kPi = 3.14159265358979323846;
+
 }  // namespace
 
 SegmentMethod SegmentMethodOf(std::string_view name) {
@@ -32,10 +34,11 @@ SegmentMethod SegmentMethodOf(std::string_view name) {
               ErrorKind::kUsage);
 }
 
-SegmentOptions DefaultsOf(SegmentMethod method) {
+SegmentOptions DefaultsOf(SegmentMethod method, bool is_spinning) {
   SegmentOptions options;
   options.method = method;
   options.mesh.grazing_rad = 0.14;
+  if (is_spinning) options.mesh = {2, kPi / 90, true};
   switch (method) {
     case SegmentMethod::kConvex:
       break;

@@ -36,8 +36,10 @@ struct SegmentOptions {
 };
 
 /// Chosen on the labelled scenes of mosd/learn, by the mean of objects' F-scores and weighted
-/// overlap (docs/segmentation.md).
-SegmentOptions DefaultsOf(SegmentMethod method);
+/// overlap (docs/segmentation.md).  The mesh of a LIDAR that turns (PointCloud::is_spinning) is
+/// closed, and its links may be longer and flatter: it sees the ground far ahead, flatly, and its
+/// beams are far apart there.
+SegmentOptions DefaultsOf(SegmentMethod method, bool is_spinning = false);
 
 /// Segments organised clouds, frame after frame: nothing is allocated after the first of a size.
 ///

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "graticule/io/file.hpp"
 
 namespace graticule::test {
 namespace {
@@ -76,6 +77,58 @@ TEST_F(CommandTest, SegmentsASimulatedScene) {
   EXPECT_EQ(RunCommand({"simulate-scene", "attic", "-o", Path("a")}).exit_code, 2);
 }
 
+TEST_F(Segment, SweepsParametersAgainstLabels) {
+  const std::string scan = kClouds + "mosd/learn/learn0.pcd";
+  const Outcome outcome =
+      RunCommand({"segment", "evaluate", scan, "--methods", "convex", "joint", "--sweep",
+                  "k-rgb=20000,200", "--sweep", "k-norm=20", "--least-object", "20", "--plot",
+                  Path("sweep.svg"), "--report", Path("sweep.html"), "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  const auto& rows = json["rows"];
+  ASSERT_EQ(rows.size(), 3u);  // convex has neither parameter
+  EXPECT_FALSE(rows[0].contains("parameters"));
+  EXPECT_EQ(rows[1]["parameters"], nlohmann::json({{"k-rgb", 200}, {"k-norm", 20}}));
+  EXPECT_EQ(rows[2]["parameters"]["k-rgb"], 20000);
+  EXPECT_GT(rows[0]["mean_f"], 0.9);
+  // A small threshold parts more.
+  EXPECT_GT(rows[1]["segments"], 2 * rows[2]["segments"].get<double>());
+  for (const auto& row : rows)
+    for (const char* share : {"weighted_overlap", "achievable_accuracy", "boundary_recall"}) {
+      EXPECT_GT(row[share], 0);
+      EXPECT_LE(row[share], 1);
+    }
+  EXPECT_NE(ReadFile(Path("sweep.svg")).find("under-segmentation error"), std::string::npos);
+  EXPECT_NE(ReadFile(Path("sweep.html")).find("learn0.pcd"), std::string::npos);
+
+  // The truth of another file, which is this method's own answer.
+  ASSERT_EQ(RunCommand({"segment", scan, "-o", Path("own.pcd"), "--quiet"}).exit_code, 0);
+  const Outcome own = RunCommand(
+      {"segment", "evaluate", scan, "--truth", Path("own.pcd"), "--methods", "convex", "--json"});
+  ASSERT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_EQ(nlohmann::json::parse(own.out)["rows"][0]["weighted_overlap"], 1);
+}
+
+TEST_F(Segment, KnowsALidarThatTurnsByWhatWasReadNotByItsName) {
+  const std::string scan = kClouds + "kitti3/velodyne/000001.bin";
+  const std::string packed = Write("packed.bin.gz", ReadFile(scan));  // unpacked by what is inside
+  const auto segments = [&](const std::string& path) {
+    const Outcome outcome = RunCommand({"segment", path, "--json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out)["segments"];
+  };
+  EXPECT_EQ(segments(packed), segments(scan));
+}
+
+TEST_F(Segment, WritesAPageOfItsSegments) {
+  const Outcome outcome = RunCommand(
+      {"segment", kClouds + "mosd/test/test0.pcd", "--report", Path("page.html"), "--quiet"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string page = ReadFile(Path("page.html"));
+  for (const char* part : {"data:image/png;base64,", "640 x 480", "concave [degrees]", "#"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+}
+
 TEST_F(Segment, RefusesWhatItCannotSegment) {
   const std::string flat =
       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
@@ -89,6 +142,17 @@ TEST_F(Segment, RefusesWhatItCannotSegment) {
       {{"segment", Path("none.pcd")}, 3, "none.pcd: No such file"},
       {{"segment", Write("cut.pcd", flat.substr(0, flat.size() - 4))}, 3, "cut.pcd:"},
       {{"segment", kClouds + "mosd/test/test0.pcd", "--image", "a.png"}, 2, "go together"},
+      {{"segment"}, 2, "expected a cloud"},
+      {{"segment", "evaluate", kClouds + "kitti3/velodyne/000001.bin"}, 3, "expected labels"},
+      {{"segment", "evaluate", kClouds + "mosd/test/test0.pcd", "--sweep", "k-red=1"}, 2,
+       "expected one of k-rgb"},
+      {{"segment", "evaluate", kClouds + "mosd/test/test0.pcd", "--sweep", "min-size=1.5"}, 2,
+       "not allowed for min-size"},
+      {{"segment", "evaluate", kClouds + "mosd/test/test0.pcd", "--plot", "a.svg"}, 2, "--sweep"},
+      {{"segment", "evaluate", kClouds + "mosd/test/test0.pcd", "--truth",
+        kClouds + "pcl_tutorial/region_growing_rgb_tutorial.pcd"},
+       3,
+       "points;"},
       {{"segment", kClouds + "mosd/test/test0.pcd", "-o", Path("a.obj")}, 2, ".ply"},
       {{"segment", kClouds + "kitti3/velodyne/000001.bin", "--method", "joint"}, 3, "no colours"},
       {{"segment", kClouds + "kitti3/velodyne/000001.bin", "--image",

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "graticule/problems/segmentation/segment_statistics.hpp"
 #include "graticule/problems/segmentation/simulate_scene.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -76,6 +77,20 @@ TEST(ColoursOf, RefuseAPictureOfAnotherSize) {
   Post post;
   post.image.width = 100;
   EXPECT_THROW(ColoursOf(post.cloud, post.image, post.camera, post.camera_from_lidar), Error);
+}
+
+TEST(SegmentStatistics, MeanColoursAreOfPointsThatHaveOne) {
+  PointCloud cloud;
+  cloud.width = 4;
+  for (int i = 0; i < 4; ++i) cloud.in_sensor.emplace_back(1, 0.1f * static_cast<float>(i), 0);
+  cloud.colours = {{200, 100, 50}, {0, 0, 0}, {100, 0, 50}, {0, 0, 0}};
+  const std::vector<std::uint32_t> labels = {1, 1, 1, 2};
+  const auto some = StatisticsOf(cloud, labels, 2, {1, 0, 1, 0});
+  EXPECT_EQ(some[0].mean_colour, Eigen::Vector3d(150, 50, 50));
+  EXPECT_EQ(some[0].points, 3u);
+  EXPECT_FALSE(some[1].has_colour);
+  EXPECT_EQ(StatisticsOf(cloud, labels, 2)[0].mean_colour, Eigen::Vector3d(100, 100. / 3, 100. / 3));
+  EXPECT_THROW(StatisticsOf(cloud, labels, 2, {1, 0}), Error);
 }
 
 }  // namespace
