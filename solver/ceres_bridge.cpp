@@ -46,7 +46,10 @@ class TangentManifold final : public ceres::Manifold {
 class BridgeLoss final : public ceres::LossFunction {
  public:
   explicit BridgeLoss(const Loss& loss) : loss_(loss) {}
-  void Evaluate(double s, double rho[3]) const override { EvaluateLoss(loss_, s, rho); }
+  void Evaluate(double s, double rho[3]) const override {
+    EvaluateLoss(loss_, s, rho);
+    if (std::isnan(rho[2])) rho[2] = 0;  // of an infinite s: Ceres would end the process
+  }
 
  private:
   Loss loss_;

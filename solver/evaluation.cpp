@@ -13,7 +13,6 @@
 #include "graticule/solver/plugin.hpp"
 
 namespace graticule {
-namespace {
 
 std::string Describe(const Graph& graph, FactorId id) {
   const FactorView factor = graph.FactorAt(id);
@@ -22,6 +21,8 @@ std::string Describe(const Graph& graph, FactorId id) {
     text += (i ? " " : "") + graph.KeyOf(factor.variables[i]).ToString();
   return text + (factor.variables.size() > 4 ? " ...)" : ")");
 }
+
+namespace {
 
 void RefuseUnknownTypes(const Graph& graph, FactorId first_factor, VariableId first_variable) {
   std::map<std::string, std::size_t> missing;

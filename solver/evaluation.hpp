@@ -9,6 +9,9 @@
 
 namespace graticule {
 
+/// "factor 7 between_se2/1 (pose:1 pose:2)": how errors name it.
+std::string Describe(const Graph& graph, FactorId id);
+
 /// A graph made ready to be evaluated: every factor created, its noise turned into a whitening
 /// matrix. What the Ceres bridge, marginals, diagnosis and reports share.  The graph must outlive
 /// it and stay as it is.

@@ -309,8 +309,8 @@ FactorId Graph::Add(TypeId type, Span<const VariableId> variables, Span<const do
                      std::to_string(measurement.size()));
   if (!AllFinite(measurement))
     RefuseFactor(type, variables, "expected finite numbers, found nan or inf");
-  if (!std::isfinite(loss.scale) || loss.scale <= 0)
-    RefuseFactor(type, variables, "expected a loss scale above zero");
+  if (!IsLossScale(loss.scale))
+    RefuseFactor(type, variables, "expected a loss scale above zero whose square is a number");
   if (FactorCount() + 1 >= kMaxCount) throw Error("more factors than a graph holds");
 
   int residual_size = static_cast<int>(schema.residual.size());

@@ -83,6 +83,8 @@ void EvaluateLoss(const Loss& loss, double s, double rho[3]) {
   kRows[static_cast<std::size_t>(loss.kind)].evaluate(s, loss.scale, rho);
 }
 
+bool IsLossScale(double scale) { return scale > 0 && std::isnormal(scale * scale); }
+
 std::string_view LossName(LossKind kind) { return kRows[static_cast<std::size_t>(kind)].name; }
 
 std::vector<std::string_view> LossNames() {
@@ -94,8 +96,9 @@ std::vector<std::string_view> LossNames() {
 Loss MakeLoss(std::string_view name, double scale) {
   for (std::size_t i = 0; i < std::size(kRows); ++i) {
     if (kRows[i].name != name) continue;
-    if (!std::isfinite(scale) || scale <= 0)
-      throw Error("expected a loss scale above zero, found " + Shown(scale));
+    if (!IsLossScale(scale))
+      throw Error("expected a loss scale above zero whose square is a number, found " +
+                  Shown(scale));
     return {static_cast<LossKind>(i), scale};
   }
   throw Error("there is no loss '" + std::string(name.substr(0, 60)) + "'" +

@@ -110,6 +110,21 @@ bool IsDirect(const Graph& graph, const SolveOptions& options, const std::vector
            CeresBridge::EliminationPays(graph, is_held));
 }
 
+// Ceres calls it convergence where no step is to be had: where all is held, or the gradient
+// vanishes beside the cost.
+void RefuseInfinite(const Graph& graph, const std::vector<double>& final, Report* report) {
+  if (report->termination == Termination::kFailed ||
+      (std::isfinite(report->final_objective) && std::isfinite(report->final_cost)))
+    return;
+  report->termination = Termination::kFailed;
+  report->message = "the cost is too large for a number";
+  for (FactorId id = 0; id < graph.FactorCount(); ++id)
+    if (!std::isfinite(final[id])) {
+      report->message += ": " + Describe(graph, id);
+      return;
+    }
+}
+
 }  // namespace
 
 Solution Solve(const Graph& graph, const SolveOptions& options, const Observer& watch) {
@@ -154,6 +169,7 @@ Solution Solve(const Graph& graph, const SolveOptions& options, const Observer& 
   if (initial.empty()) initial = AllChi2(evaluation, graph.InitialValues().Data().data());
   if (final.empty()) final = AllChi2(evaluation, solution.values.Data().data());
   AddCosts(graph, initial, final, &report);
+  RefuseInfinite(graph, final, &report);
   AddWorst(graph, final, replaced, &report);
   report.variables = graph.VariableCount();
   report.factors = graph.FactorCount();
