@@ -28,9 +28,10 @@ struct CompassResult {
 
 /// Compass search (coordinate descent with halving steps; thesis 3.3.1) for the least value of a
 /// function.  In each round every coordinate is tried up and down, all from the round's best point,
-/// then all of them that gained together, and the least is taken; no gain: the step is halved.  Values that are not finite count
-/// as infinite.  The result does not depend on the number of threads.  Throws Error: sizes that do
-/// not fit (kUsage), a state file that is not one or is another search's (kInput).
+/// then all of them that gained together, and the least is taken; no gain: the step is halved.
+/// Values that are not finite count as infinite.  The result does not depend on the number of
+/// threads.  Throws Error: sizes that do not fit (kUsage), a state file that is not one or is
+/// another search's (kInput).
 CompassResult CompassSearch(const std::function<double(const std::vector<double>&)>& value,
                             const std::vector<double>& start, const CompassOptions& options);
 
