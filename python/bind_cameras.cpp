@@ -163,7 +163,7 @@ void BindDetections(py::module_& m) {
              return TargetView{image, camera, exposure, CornersOf(ids, in_target, pixels)};
            }),
            "ids"_a, "in_target"_a, "pixels"_a, "image"_a = "", "camera"_a = 0, "exposure"_a = 0,
-           "ids: (n,); in_target: (n, 3) [m]; pixels: (n, 2).")
+           py::prepend(), "ids: (n,); in_target: (n, 3) [m]; pixels: (n, 2).")
       .def("__len__", [](const TargetView& view) { return view.corners.size(); })
       .def_property_readonly(
           "ids", [](const TargetView& view) { return ArraysOf(view.corners).ids; },

@@ -80,10 +80,11 @@ PointCloud CloudOf(const Dense<float>& points, const std::optional<Dense<std::ui
 // (height, width[, channels]) of an organised cloud, else (points[, channels]); None: there are
 // none.
 template <class T, class Element>
-py::object Channel(const py::object& self, const std::vector<Element> PointCloud::*member) {
+std::optional<py::array_t<T>> Channel(const py::object& self,
+                                      const std::vector<Element> PointCloud::*member) {
   const auto& cloud = self.cast<const PointCloud&>();
   const std::vector<Element>& list = cloud.*member;
-  if (list.empty() && cloud.Size()) return py::none();
+  if (list.empty() && cloud.Size()) return std::nullopt;
   Shape shape{static_cast<py::ssize_t>(list.size())};
   if (cloud.IsOrganised())
     shape = {static_cast<py::ssize_t>(cloud.height), static_cast<py::ssize_t>(cloud.width)};
@@ -108,7 +109,7 @@ void BindCloud(py::module_& m) {
       .def_property_readonly(
           "points",
           [](const py::object& self) {
-            return Channel<float, Eigen::Vector3f>(self, &PointCloud::in_sensor);
+            return *Channel<float, Eigen::Vector3f>(self, &PointCloud::in_sensor);
           },
           "(height, width, 3) or (n, 3) in the sensor's frame [m], float32; nan: no return.  Not "
           "a copy; it cannot be written to.")

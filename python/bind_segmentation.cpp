@@ -76,7 +76,12 @@ void BindSegmenter(py::module_& m) {
           "segment",
           [](Segmenter& self, const PointCloud& cloud) {
             // Kept by the segmenter: what is returned is a copy.
-            return Shaped(cloud, self.Segment(cloud));
+            std::vector<std::uint32_t> labels;
+            {
+              const py::gil_scoped_release released;
+              labels = self.Segment(cloud);
+            }
+            return Shaped(cloud, std::move(labels));
           },
           "cloud"_a,
           "(height, width) of each point its segment, from 1 in the order of their first points; "

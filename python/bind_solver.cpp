@@ -85,11 +85,14 @@ void BindReport(py::module_& m) {
             return options;
           },
           "Every option's name and value, as texts.")
-      .def("__repr__", [](const Report& report) {
-        return "Report(" + ToString(report.termination) + ", cost " + Shown(report.initial_cost) +
-               " -> " + Shown(report.final_cost) + ", " + std::to_string(report.Steps()) +
-               " steps)";
-      });
+      .def(
+          "__repr__",
+          [](const Report& report) {
+            return "Report(" + ToString(report.termination) + ", cost " +
+                   Shown(report.initial_cost) + " -> " + Shown(report.final_cost) + ", " +
+                   std::to_string(report.Steps()) + " steps)";
+          },
+          py::prepend());
 }
 
 }  // namespace

@@ -32,14 +32,21 @@ class NoiseRows {
  public:
   NoiseRows(const py::object& noise, py::ssize_t count) {
     if (noise.is_none()) return;
-    if (py::isinstance<py::array>(noise) && noise.cast<py::array>().ndim() >= 2) {
-      rows_ = Dense<double>::ensure(noise);
-      if (!rows_) throw py::error_already_set();
-      is_matrix_ = rows_.ndim() == 3;
-      ExpectShape(rows_, is_matrix_ ? Shape{count, -1, rows_.shape(1)} : Shape{count, -1}, "noise");
-    } else {
-      one_ = noise.cast<Noise>();
+    if (!py::isinstance<Noise>(noise)) rows_ = Dense<double>::ensure(noise);
+    PyErr_Clear();
+    if (!rows_ || rows_.ndim() < 2) {
+      rows_ = Dense<double>{py::reinterpret_steal<Dense<double>>(py::handle())};
+      try {
+        one_ = noise.cast<Noise>();
+      } catch (const py::cast_error&) {
+        throw Error("noise: expected a Noise, a number or an array of numbers, found " +
+                        py::repr(noise).cast<std::string>(),
+                    ErrorKind::kUsage);
+      }
+      return;
     }
+    is_matrix_ = rows_.ndim() == 3;
+    ExpectShape(rows_, is_matrix_ ? Shape{count, -1, rows_.shape(1)} : Shape{count, -1}, "noise");
   }
 
   NoiseView Row(py::ssize_t i) {

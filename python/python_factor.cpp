@@ -122,9 +122,10 @@ bool Guarded(graticule_error* error, const Work& work) {
     work();
     return true;
   } catch (py::error_already_set& thrown) {
-    // Ctrl-C in the middle of a function is the solve's to answer.
-    if (thrown.matches(PyExc_KeyboardInterrupt)) PyErr_SetInterrupt();
     Say(error, thrown.what());
+    // Ctrl-C in the middle of a function is the solve's to answer.  Last: any Python that runs
+    // after this would be interrupted instead.
+    if (thrown.matches(PyExc_KeyboardInterrupt)) PyErr_SetInterrupt();
   } catch (const std::exception& exception) {
     Say(error, exception.what());
   }

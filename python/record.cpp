@@ -25,6 +25,9 @@ void SetFields(const py::object& record, const py::dict& fields) {
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(ClassName(record) + " has no '" + name + "'" + DidYouMean(name, views),
                   ErrorKind::kUsage);
+    if (py::type::of(record).attr(py::str(name)).attr("fset").is_none())
+      throw Error(ClassName(record) + "." + name + " is a result: it is read, not set",
+                  ErrorKind::kUsage);
     py::setattr(record, key, value);
   }
 }

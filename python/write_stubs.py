@@ -14,13 +14,17 @@ from typing import Any, Iterator, List, Optional, Tuple
 
 HEAD = '''"""Factor graphs as data, solved by Ceres: what is compiled.  Written by write_stubs.py."""
 
-from typing import Any, Callable, ClassVar, Dict, List, Optional, Tuple, Union, overload
+from typing import (
+    Any, Callable, ClassVar, Dict, List, Mapping, Optional, Sequence, Tuple, Union, overload
+)
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
-KeyLike = Union["Key", str]
-NoiseLike = Union["Noise", float, ArrayLike]
+class _Pybind11Type(type): ...
+
+_KeyLike = Union["Key", str]
+_NoiseLike = Union["Noise", float, ArrayLike]
 '''
 
 # Methods that every class has anyway, or that only pickling and printing call.
@@ -33,13 +37,15 @@ def translated(text: str, is_argument: bool) -> str:
     array = r"numpy\.ndarray\[([\w.]+)\]"
     if is_argument:
         text = re.sub(array, "ArrayLike", text)
-        text = re.sub(r"\bKey\b", "KeyLike", text)
-        text = re.sub(r"\bNoise\b", "NoiseLike", text)
+        text = re.sub(r"\bList\[", "Sequence[", text)
+        text = re.sub(r"\bDict\[", "Mapping[", text)
+        text = re.sub(r"\bKey\b", "_KeyLike", text)
+        text = re.sub(r"\bNoise\b", "_NoiseLike", text)
     else:
         text = re.sub(array, lambda m: f"NDArray[{m[1].replace('bool', 'numpy.bool_')}]", text)
     text = re.sub(r"\bfunction\b", "Callable[..., Any]", text)
     text = re.sub(r"\bnumpy\.ndarray\b(?!\[)", "NDArray[Any]", text)
-    return re.sub(r"\b(tuple|list|dict)\b(?!\[)", r"\1", text)
+    return re.sub(r"\bdict\b", "Dict[str, Any]", text)
 
 
 def split(arguments: str) -> List[str]:
@@ -84,6 +90,8 @@ def quoted(text: str, indent: str) -> List[str]:
         textwrap.fill(part, 92 - len(indent)) for part in text.split("\n\n")
     ).split("\n")
     lines[0] = '"""' + lines[0]
+    if lines[-1].endswith('"'):
+        lines[-1] = lines[-1][:-1] + '\\"'
     lines[-1] += '"""'
     return [(indent + line).rstrip() for line in lines]
 
@@ -147,8 +155,13 @@ def members(kind: type) -> List[str]:
         elif callable(member) or isinstance(member, staticmethod):
             if name not in PASSED_OVER and getattr(kind, name).__doc__:
                 methods.append((name, isinstance(member, staticmethod)))
+    if hasattr(kind, "_fields"):
+        lines.insert(0, "    _fields: ClassVar[List[str]]")
     if getattr(kind, "__hash__", None) is None:
         lines.append("    __hash__: ClassVar[None]  # type: ignore[assignment]")
+    if not list(signatures(getattr(kind, "__init__").__doc__, "__init__")):
+        lines += ["    def __init__(self, *args: Any, **kwargs: Any) -> None:",
+                  '        """Not made in Python: raises TypeError."""']
     for name, is_static in methods:
         lines += function(name, getattr(kind, name).__doc__, "    ",
                           fields if hasattr(kind, "_fields") else None, is_static)
@@ -162,14 +175,14 @@ def stub(module: ModuleType) -> str:
             continue
         if inspect.isclass(value):
             base = value.__bases__[0].__name__
-            base = "" if base == "pybind11_object" else f"({base})"
+            base = "metaclass=_Pybind11Type" if base == "pybind11_object" else base
             is_error = issubclass(value, Exception)
             body = quoted((value.__doc__ or "").split("\n\nMembers:")[0].strip(), "    ")
             if is_error:
                 body += ["    kind: ClassVar[ErrorKind]"]
             else:
                 body += enumeration(value) if hasattr(value, "__members__") else members(value)
-            lines += [f"\nclass {name}{base}:", *(body or ["    ..."])]
+            lines += [f"\nclass {name}({base}):", *(body or ["    ..."])]
         elif callable(value):
             lines += ["", *function(name, value.__doc__, "")]
         else:

@@ -34,8 +34,10 @@ print("deviations of pose:2 [m, m, rad]:", np.sqrt(np.diag(marginals.covariance(
 loose = graticule.Graph()
 loose.add("pose:0", "se2/1", [0, 0, 0])
 loose.add("landmark:0", "point2/1", [1, 0])
-loose.add(graticule.bearing_range_se2_factor("pose:0", "landmark:0", 0.0, 1.0, [0.01, 0.1]))
-print(graticule.compute_marginals(loose, keys=["pose:0", "landmark:0"]))
+loose.add(graticule.Factor(type="range_se2/1", keys=["pose:0", "landmark:0"], measurement=np.array([1.0])))
+diagnosis = graticule.compute_marginals(loose, keys=["pose:0", "landmark:0"])
+assert isinstance(diagnosis, graticule.Diagnosis)
+print(diagnosis.summary)
 
 # %% A city with truth: 2 robots, 400 poses each
 city = pose_graph.simulate_city(robots=2, poses_per_robot=400, seed=3)
@@ -92,7 +94,7 @@ own = graticule.Graph(types)
 own.add("pose:0", "se2/1", [0, 0, 0], fixed=True)
 own.add("pose:1", "se2/1", [3, 4.5, 0])
 own.add(graticule.prior_se2_factor("pose:1", [3, 4.5, 0], 1.0))
-own.add(graticule.Factor(type="distance/1", keys=["pose:0", "pose:1"], measurement=[5.0], noise=0.01))
+own.add(graticule.Factor(type="distance/1", keys=["pose:0", "pose:1"], measurement=np.array([5.0]), noise=0.01))
 print(graticule.solve(own).values["pose:1"])
 
 # %% A picture, where matplotlib is installed

@@ -45,6 +45,7 @@ coloured = segmentation.colour_cloud(cloud, scene.image, camera, solved.camera_f
 print(int(np.isfinite(coloured.points[..., 0]).sum()), "points have a colour")
 
 # %% Segments, frame after frame
+assert cloud.labels is not None
 for method in ["convex", "joint", "normals"]:
     segmenter = segmentation.Segmenter(method)
     labels = segmenter.segment(coloured)
@@ -60,4 +61,5 @@ print("largest:", largest.points, "points about", np.round(largest.centre, 2), "
 # %% Files
 painted = io.PointCloud(coloured.points, colours=segmentation.false_colours(labels), labels=labels)
 io.write_cloud("segments.ply", painted)
-assert np.array_equal(io.read_cloud("segments.ply").labels, labels)
+again = io.read_cloud("segments.ply").labels
+assert again is not None and np.array_equal(again, labels)

@@ -79,10 +79,10 @@ class Adding(unittest.TestCase):
             graph = Graph()
             ids = graph.add_variables("pose", "se2/1", np.zeros((3, 3)))
             graph.add_factors(
-                "between_se2/1", [ids[:2], ids[1:]], np.ones((2, 3)), noise=noise
+                "between_se2/1", [ids[:2], ids[1:]], [[1, 1, 0]] * 2, noise=noise
             )
             chi2 = graticule.factor_chi2(graph)
-            np.testing.assert_allclose(chi2, [100 + 25 + 1 / 0.09, 3], rtol=1e-12)
+            np.testing.assert_allclose(chi2, [100 + 25, 2], rtol=1e-12)
 
     def test_errors_have_kinds_and_the_row(self):
         graph = chain(3)
@@ -192,8 +192,9 @@ class Types(unittest.TestCase):
                 continue
             if callable(value) and not (value.__doc__ or "").strip():
                 bare.append(name)
-            for member in dir(value) if isinstance(value, type) else []:
-                attribute = vars(value).get(member)
+            if not isinstance(value, type) or hasattr(value, "__members__"):
+                continue
+            for member, attribute in vars(value).items():
                 if isinstance(attribute, property) and not (attribute.__doc__ or "").strip():
                     bare.append(f"{name}.{member}")
                 elif callable(attribute) and not member.startswith("_"):
