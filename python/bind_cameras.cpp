@@ -151,19 +151,35 @@ void BindRig(py::module_& m) {
 }
 
 void BindDetections(py::module_& m) {
-  Record<TargetView>(m, "TargetView", "What one camera saw of the target at one time.")
-      .Field("image", &TargetView::image, "Its name.")
-      .Field("camera", &TargetView::camera, "Into Detections.cameras.")
-      .Field("exposure", &TargetView::exposure,
-             "Views of one exposure saw the target at one place.")
-      .Class()
+  py::class_<TargetView>(m, "TargetView", "What one camera saw of the target at one time.")
       .def(py::init([](const Dense<std::int64_t>& ids, const Dense<double>& in_target,
                        const Dense<double>& pixels, const std::string& image, std::size_t camera,
                        std::size_t exposure) {
              return TargetView{image, camera, exposure, CornersOf(ids, in_target, pixels)};
            }),
            "ids"_a, "in_target"_a, "pixels"_a, "image"_a = "", "camera"_a = 0, "exposure"_a = 0,
-           py::prepend(), "ids: (n,); in_target: (n, 3) [m]; pixels: (n, 2).")
+           "ids: (n,); in_target: (n, 3) [m]; pixels: (n, 2).")
+      .def_readwrite("image", &TargetView::image, "Its name.")
+      .def_readwrite("camera", &TargetView::camera, "Into Detections.cameras.")
+      .def_readwrite("exposure", &TargetView::exposure,
+                     "Views of one exposure saw the target at one place.")
+      .def(py::pickle(
+          [](const TargetView& view) {
+            const CornerArrays corners = ArraysOf(view.corners);
+            return py::make_tuple(view.image, view.camera, view.exposure, corners.ids,
+                                  corners.in_target, corners.pixels);
+          },
+          [](const py::tuple& t) {
+            return TargetView{t[0].cast<std::string>(), t[1].cast<std::size_t>(),
+                              t[2].cast<std::size_t>(),
+                              CornersOf(t[3].cast<Dense<std::int64_t>>(),
+                                        t[4].cast<Dense<double>>(), t[5].cast<Dense<double>>())};
+          }))
+      .def("__repr__",
+           [](const TargetView& view) {
+             return "TargetView('" + view.image + "', " + std::to_string(view.corners.size()) +
+                    " corners)";
+           })
       .def("__len__", [](const TargetView& view) { return view.corners.size(); })
       .def_property_readonly(
           "ids", [](const TargetView& view) { return ArraysOf(view.corners).ids; },

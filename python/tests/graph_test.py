@@ -1,7 +1,9 @@
 """Graphs and what they are made of: numbers in and out, errors, copies."""
 
 import copy
+import os
 import pickle
+import tempfile
 import unittest
 
 import numpy as np
@@ -50,10 +52,12 @@ class Adding(unittest.TestCase):
                 )
             )
         write = graticule.io.write_problem
-        write("bulk.fg", graticule.io.Recording(bulk))
-        write("single.fg", graticule.io.Recording(single))
         read = graticule.io.read_file
-        self.assertEqual(read("bulk.fg"), read("single.fg"))
+        with tempfile.TemporaryDirectory() as folder:
+            files = [os.path.join(folder, name) for name in ("bulk.fg", "single.fg")]
+            for file, graph in zip(files, (bulk, single)):
+                write(file, graticule.io.Recording(graph))
+            self.assertEqual(read(files[0]), read(files[1]))
 
     def test_arrays_come_back_as_they_went_in(self):
         graph = chain(6)

@@ -1,6 +1,7 @@
 """Every format, there and back."""
 
 import os
+import pickle
 import tempfile
 import unittest
 
@@ -211,6 +212,8 @@ class Cameras(Files):
         np.testing.assert_array_equal(again.views[1].pixels, [[10.5, 11], [20, 22.25]])
         np.testing.assert_array_equal(again.views[0].ids, [1, 2])
         self.assertEqual(again.exposures, 2)
+        copied = pickle.loads(pickle.dumps(again))
+        np.testing.assert_array_equal(copied.views[1].pixels, again.views[1].pixels)
 
 
 class Signals(Files):

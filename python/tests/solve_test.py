@@ -75,7 +75,6 @@ class Watching(unittest.TestCase):
         counter = threading.Thread(target=count)
         counter.start()
         began = time.perf_counter()
-        # A certificate is one call of C++ without anybody who watches.
         solution = graticule.solve(graph)
         ended = time.perf_counter()
         done.set()
