@@ -109,5 +109,5 @@ else:
         axes.plot(before[:, 0], before[:, 1], ":", alpha=0.5, label=f"{family}, chordal")
         axes.plot(after[:, 0], after[:, 1], label=family)
     axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    axes.legend()
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=2)
     figure.savefig("pose_graph.png", dpi=100)
