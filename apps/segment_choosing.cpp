@@ -63,7 +63,7 @@ const SegmentParameter& ParameterOf(const std::string& name) {
   std::string all;
   for (const SegmentParameter& parameter : kParameters) {
     if (name == parameter.name) return parameter;
-    all += (all.empty() ? "" : ", ") + parameter.name;
+    all += std::string(all.empty() ? "" : ", ") + parameter.name;
   }
   throw Error("--sweep: no such parameter: '" + name + "'; expected one of " + all,
               ErrorKind::kUsage);
