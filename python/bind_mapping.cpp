@@ -76,9 +76,8 @@ void BindFrontEnd(py::module_& m) {
         PythonObserver observer;
         const auto told = [&](const std::string& stage, double done) {
           const py::gil_scoped_acquire acquired;
-          observer.Goes([&] {
-            if (!watch.is_none()) watch(stage, done);
-            return true;
+          return observer.Goes([&] {
+            return watch.is_none() || !py::object(watch(stage, done)).is(py::bool_(false));
           });
         };
         auto result = [&] {
@@ -91,8 +90,8 @@ void BindFrontEnd(py::module_& m) {
       "log"_a, "options"_a = nullptr, "types"_a = nullptr, py::kw_only(), "watch"_a = py::none(),
       "From raw scans to a solved pose graph: scans are matched one after the other, loops closed "
       "and verified, overlaps matched (docs/mapping_front_end.md).  Options also as keywords.  "
-      "`watch(stage, done)` is told what is being done, and how much of it, 0 to 1; what it "
-      "throws, and Ctrl-C, is thrown at the end.");
+      "`watch(stage, done)` is told what is being done, and how much of it, 0 to 1; where it says "
+      "False, no more loops are looked for.  What it throws, and Ctrl-C, is thrown at the end.");
 }
 
 void BindMission(py::module_& m) {

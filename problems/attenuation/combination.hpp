@@ -42,6 +42,9 @@ class Combination : public SignalPredictor {
   void AddMeasurements(Span<const SignalMeasurement> measurements) override;
   /// What was added since the last time is learnt in steps of step_s, as if it had come by them.
   void Update(double now_s) override;
+  void Expect(Span<const SignalLink> links) override {
+    for (const auto& member : members_) member->Expect(links);
+  }
   void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const override;
   std::string Name() const override { return options_.name; }
 

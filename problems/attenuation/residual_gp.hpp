@@ -48,6 +48,7 @@ class ResidualGp : public SignalPredictor {
   void SetMap(std::shared_ptr<const OccupancyGrid> map) override { mean_->SetMap(std::move(map)); }
   void AddMeasurements(Span<const SignalMeasurement> measurements) override;
   void Update(double now_s) override { mean_->Update(now_s); }
+  void Expect(Span<const SignalLink> links) override { mean_->Expect(links); }
   void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const override;
   std::string Name() const override { return options_.name; }
 
