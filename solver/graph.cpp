@@ -309,7 +309,7 @@ FactorId Graph::Add(TypeId type, Span<const VariableId> variables, Span<const do
                      std::to_string(measurement.size()));
   if (!AllFinite(measurement))
     RefuseFactor(type, variables, "expected finite numbers, found nan or inf");
-  if (!IsLossScale(loss.scale))
+  if (!(loss.scale > 0) || !std::isnormal(loss.scale * loss.scale))
     RefuseFactor(type, variables, "expected a loss scale above zero whose square is a number");
   if (FactorCount() + 1 >= kMaxCount) throw Error("more factors than a graph holds");
 

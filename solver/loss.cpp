@@ -83,8 +83,6 @@ void EvaluateLoss(const Loss& loss, double s, double rho[3]) {
   kRows[static_cast<std::size_t>(loss.kind)].evaluate(s, loss.scale, rho);
 }
 
-bool IsLossScale(double scale) { return scale > 0 && std::isnormal(scale * scale); }
-
 std::string_view LossName(LossKind kind) { return kRows[static_cast<std::size_t>(kind)].name; }
 
 std::vector<std::string_view> LossNames() {
@@ -96,7 +94,7 @@ std::vector<std::string_view> LossNames() {
 Loss MakeLoss(std::string_view name, double scale) {
   for (std::size_t i = 0; i < std::size(kRows); ++i) {
     if (kRows[i].name != name) continue;
-    if (!IsLossScale(scale))
+    if (!(scale > 0) || !std::isnormal(scale * scale))
       throw Error("expected a loss scale above zero whose square is a number, found " +
                   Shown(scale));
     return {static_cast<LossKind>(i), scale};

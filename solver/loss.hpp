@@ -32,15 +32,12 @@ struct Loss {
 /// Formulas as in Ceres' loss_function.h; Geman-McClure: s a^2 / (s + a^2).
 void EvaluateLoss(const Loss& loss, double s, double rho[3]);
 
-/// Above zero, and its square neither vanishes nor is infinite.
-bool IsLossScale(double scale);
-
 /// "huber"; "none" for no loss.
 std::string_view LossName(LossKind kind);
 std::vector<std::string_view> LossNames();
 
-/// A loss from its name and scale.  Throws Error (unknown name, with the nearest one; scale that is
-/// none).
+/// A loss from its name and scale.  Throws Error (unknown name, with the nearest one; scale not
+/// above zero).
 Loss MakeLoss(std::string_view name, double scale);
 
 }  // namespace graticule
