@@ -1,5 +1,6 @@
 #include "graticule/solver/marginals.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -70,6 +71,20 @@ void MakeSymmetric(std::size_t n, std::vector<double>* block) {
       (*block)[r * n + c] = (*block)[c * n + r] = ((*block)[r * n + c] + (*block)[c * n + r]) / 2;
 }
 
+// Whether a covariance could be one: of its correlations no eigenvalue is below zero by more than
+// rounding.
+bool IsCovariance(const std::vector<double>& block, std::size_t size) {
+  const auto n = static_cast<Eigen::Index>(size);
+  Eigen::MatrixXd correlations = Eigen::Map<const Eigen::MatrixXd>(block.data(), n, n);
+  if (!correlations.allFinite() || !(correlations.diagonal().minCoeff() > 0)) return false;
+  const Eigen::VectorXd inverse = correlations.diagonal().cwiseSqrt().cwiseInverse();
+  correlations = inverse.asDiagonal() * correlations * inverse.asDiagonal();
+  if (correlations.llt().info() == Eigen::Success) return true;
+  constexpr double kRounding = 1e-12;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlations, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().minCoeff() > -kRounding;
+}
+
 }  // namespace
 
 const std::vector<double>& Marginals::Covariance(const Key& a, const Key& b) const {
@@ -108,15 +123,16 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
   for (const VariableId id : wanted) columns_wanted += held(id) ? 0 : size_of(id);
   const bool by_pattern = !joint && columns_wanted > kManyColumns;
   ScaledFactor factor(TransposedJacobian(evaluation, values.Data().data(), index), by_pattern);
+  const auto too_ill_conditioned = [](Diagnosis diagnosis) {
+    diagnosis.summary =
+        "the normal matrix is too ill-conditioned to be inverted in double precision";
+    diagnosis.at_least = true;
+    return diagnosis;
+  };
   if (!factor.IsClearlyPositive()) {
     Diagnosis diagnosis = Diagnose(graph, values, anchors);
     if (diagnosis.free_directions > 0) return diagnosis;
-    if (!factor.IsUsable()) {
-      diagnosis.summary =
-          "the normal matrix is too ill-conditioned to be inverted in double precision";
-      diagnosis.at_least = true;
-      return diagnosis;
-    }
+    if (!factor.IsUsable()) return too_ill_conditioned(std::move(diagnosis));
   }
 
   if (by_pattern) {
@@ -130,6 +146,7 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
         for (int c = 0; c < n; ++c)
           block.push_back(inverse.At(first + r, first + c) * factor.Scale(first + r) *
                           factor.Scale(first + c));
+      if (!IsCovariance(block, size_of(id))) return too_ill_conditioned({});
     }
     return marginals;
   }
@@ -159,7 +176,9 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
           for (std::size_t c = 0; c < size_of(b); ++c)
             block[r * size_of(b) + c] =
                 inverse[(column + c) * rows + static_cast<std::size_t>(index.first[a]) + r];
-        if (a == b) MakeSymmetric(size_of(b), &block);
+        if (a != b) continue;
+        MakeSymmetric(size_of(b), &block);
+        if (!IsCovariance(block, size_of(b))) return too_ill_conditioned({});
       }
       column += size_of(b);
     }

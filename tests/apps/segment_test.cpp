@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
-#include "graticule/io/file.hpp"
 
 namespace graticule::test {
 namespace {
@@ -98,8 +97,8 @@ TEST_F(Segment, SweepsParametersAgainstLabels) {
       EXPECT_GT(row[share], 0);
       EXPECT_LE(row[share], 1);
     }
-  EXPECT_NE(ReadFile(Path("sweep.svg")).find("under-segmentation error"), std::string::npos);
-  EXPECT_NE(ReadFile(Path("sweep.html")).find("learn0.pcd"), std::string::npos);
+  EXPECT_NE(ReadWhole(Path("sweep.svg")).find("under-segmentation error"), std::string::npos);
+  EXPECT_NE(ReadWhole(Path("sweep.html")).find("learn0.pcd"), std::string::npos);
 
   // The truth of another file, which is this method's own answer.
   ASSERT_EQ(RunCommand({"segment", scan, "-o", Path("own.pcd"), "--quiet"}).exit_code, 0);
@@ -111,7 +110,7 @@ TEST_F(Segment, SweepsParametersAgainstLabels) {
 
 TEST_F(Segment, KnowsALidarThatTurnsByWhatWasReadNotByItsName) {
   const std::string scan = kClouds + "kitti3/velodyne/000001.bin";
-  const std::string packed = Write("packed.bin.gz", ReadFile(scan));  // unpacked by what is inside
+  const std::string packed = Write("packed.bin.gz", ReadWhole(scan));  // unpacked by what is inside
   const auto segments = [&](const std::string& path) {
     const Outcome outcome = RunCommand({"segment", path, "--json"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -124,7 +123,7 @@ TEST_F(Segment, WritesAPageOfItsSegments) {
   const Outcome outcome = RunCommand(
       {"segment", kClouds + "mosd/test/test0.pcd", "--report", Path("page.html"), "--quiet"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const std::string page = ReadFile(Path("page.html"));
+  const std::string page = ReadWhole(Path("page.html"));
   for (const char* part : {"data:image/png;base64,", "640 x 480", "concave [degrees]", "#"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
 }
