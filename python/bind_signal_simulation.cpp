@@ -17,7 +17,6 @@ void BindSignalSimulation(py::module_& module) {
              "nw1, nw2, bbb3, eecs4, dc1 (as in thesis 3.3.1), room, house, office, street.");
   Record<RadioOptions>(module, "RadioOptions", "How signals of 2.4 GHz spread.")
       .Field("l0_dbm", &RadioOptions::l0_dbm, "Strength at 1 m [dBm].")
-      .Field("exponent", &RadioOptions::exponent, "Of the path loss.")
       .Field("ceiling_db", &RadioOptions::ceiling_db, "Of walls together [dB].")
       .Field("shadowing_db", &RadioOptions::shadowing_db, "Standard deviation [dB].")
       .Field("k_in_sight_db", &RadioOptions::k_in_sight_db, "Rician factor [dB].")
