@@ -112,6 +112,10 @@ void AddCompare(CLI::App* app, Chosen* chosen) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   sub->add_option("--report", command->report, "write a page (.html) or data (.json)");
+  sub->add_option("--state", command->state,
+                  "keep each run in this file as it ends: the same command goes on where it was "
+                  "stopped")
+      ->type_name("FILE");
   sub->add_option("--best-known", command->best_known,
                   "YAML: file name: best known cost (0.5 r'Wr)");
   sub->add_flag("--json", command->json, "JSON on stdout instead of the table");
@@ -385,6 +389,7 @@ int RunFromArguments(int argc, char** argv) {
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
     app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
+    if (LaunchedAs().rank > 0) return error.get_exit_code() == 0 ? kDone : kUsage;
     if (error.get_exit_code() == 0) return app.exit(error, std::cout, std::cerr);  // help, version
     std::cerr << "graticule: " << error.what() << "\nRun with --help for more information.\n";
     return kUsage;

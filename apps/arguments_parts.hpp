@@ -4,14 +4,21 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "commands.hpp"
+#include "launcher.hpp"
 
 namespace graticule::apps {
 
 /// A command with its words bound; `run` is set where it was chosen.
 using Chosen = std::function<int(const Console&)>;
+
+/// Whether a command spreads its work over a launcher's processes.
+template <class Command>
+inline constexpr bool kIsSpread =
+    std::is_same_v<Command, CompareCommand> || std::is_same_v<Command, SignalTuneCommand>;
 
 /// A subcommand that runs `command`; `examples` end its help.
 template <class Command>
@@ -21,7 +28,10 @@ CLI::App* AddCommand(CLI::App* app, const char* name, const char* what, const ch
   sub->footer(std::string("Examples:\n") + examples);
   sub->callback([sub, command, chosen] {
     if (!sub->get_subcommands().empty()) return;  // that one was meant
-    *chosen = [command](const Console& console) { return Run(*command, console); };
+    *chosen = [sub, command](const Console& console) {
+      if (!kIsSpread<Command>) ExpectAlone(sub->get_name());
+      return Run(*command, console);
+    };
   });
   return sub;
 }

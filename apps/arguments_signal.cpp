@@ -145,7 +145,8 @@ void AddTune(CLI::App* signal, Chosen* chosen) {
   sub->add_option("--most", command->most, "replays of all logs, for each method")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  sub->add_option("--threads", command->threads, "replays at once")
+  sub->add_option("--threads", command->threads,
+                  "replays at once; started by mpirun or srun, each process does one")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   AddSettings(sub, &command->choosing);

@@ -50,6 +50,7 @@ struct CompareCommand {
   Comparing comparing;
   int repeats = 3;
   std::string report, best_known;
+  std::string state;  ///< "" or where finished runs are kept
   bool json = false;
 };
 

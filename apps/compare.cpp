@@ -7,95 +7,17 @@
 #include <map>
 
 #include "commands.hpp"
-#include "configured_solve.hpp"
-#include "graticule/io/comparison.hpp"
+#include "compare_runs.hpp"
+#include "compare_state.hpp"
 #include "graticule/io/config.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/provenance.hpp"
-#include "graticule/solver/stopwatch.hpp"
-#include "ground_truth.hpp"
 #include "problem.hpp"
+#include "spread.hpp"
 
 namespace graticule::apps {
 namespace {
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
-Timing MedianOf(const std::vector<Timing>& runs) {
-  const auto of = [&](const auto& get) {
-    std::vector<double> values;
-    for (const Timing& run : runs) values.push_back(get(run));
-    return Median(values);
-  };
-  Timing median;
-  for (PhaseTime Timing::*phase : {&Timing::load, &Timing::initialise, &Timing::build,
-                                   &Timing::solve, &Timing::write, &Timing::total})
-    median.*phase = {of([&](const Timing& t) { return (t.*phase).wall; }),
-                     of([&](const Timing& t) { return (t.*phase).cpu; })};
-  for (double Timing::*part : {&Timing::preprocess, &Timing::evaluate, &Timing::linear_solve})
-    median.*part = of([&](const Timing& t) { return t.*part; });
-  return median;
-}
-
-// One whole run, from the file: load, initialise, build, solve; what comes after is not counted.
-Report RunOnce(const std::string& file, const Reading& reading, const Registry& types,
-               const Configuration& configuration, const Console& console, const std::string& what,
-               const TruthOf& truth, std::optional<Accuracy>* accuracy) {
-  const Stopwatch total;
-  Stopwatch clock;
-  Console silent;
-  silent.quiet = true;
-  Recording recording = Load(file, reading, types, silent);
-  const PhaseTime load = clock.Lap();
-  ConfiguredSolution solved = SolveAsConfigured(&recording.graph, recording.has_initial_guess,
-                                                configuration, Watch(console, what));
-  Report& report = solved.solution.report;
-  if (recording.repaired) report.warnings.push_back(ToString(*recording.repaired));
-  report.timing.load = load;
-  report.timing.initialise = solved.initialise;
-  report.timing.total = total.Elapsed();
-  if (report.termination != Termination::kFailed)
-    *accuracy = truth.Judge(recording.graph, solved.solution.values);
-  return std::move(report);
-}
-
-ComparisonRun Repeat(const std::string& file, const CompareCommand& command, const Registry& types,
-                     const Configuration& configuration, const TruthOf& truth,
-                     const Console& console) {
-  ComparisonRun run;
-  run.file = file;
-  run.configuration = configuration.name;
-  run.repeats = static_cast<std::size_t>(command.repeats);
-  std::vector<Timing> timings;
-  try {
-    ResetPeakMemory();
-    for (int i = 0; i <= command.repeats && !Interruptible::WasAsked(); ++i) {
-      const std::string what =
-          fmt::format("{} {} {}/{}", file, configuration.name, i, command.repeats);
-      Report report =
-          RunOnce(file, command.reading, types, configuration, console, what, truth, &run.accuracy);
-      // The first run counts only where it stays the only one: its caches were cold.
-      if (i > 0) timings.push_back(report.timing);
-      if (i <= 1) run.report = std::move(report);
-    }
-    run.peak_memory_bytes = PeakMemory();
-  } catch (const graticule::Error& error) {
-    run.error = error.what();
-  }
-  if (timings.empty()) timings.push_back(run.report.timing);
-  run.median = MedianOf(timings);
-  run.min_total_s = run.max_total_s = timings[0].total.wall;
-  for (const Timing& timing : timings) {
-    run.min_total_s = std::min(run.min_total_s, timing.total.wall);
-    run.max_total_s = std::max(run.max_total_s, timing.total.wall);
-  }
-  return run;
-}
 
 // Best known costs by file name.
 std::map<std::string, double> ReadBestKnown(const std::string& path) {
@@ -150,55 +72,76 @@ int ExitOfRuns(const std::vector<ComparisonRun>& runs, const std::vector<Exit>& 
   return Interruptible::WasAsked() ? kNotConverged : kDone;
 }
 
-}  // namespace
-
-int Run(const CompareCommand& command, const Console& console) {
+int Compare(const CompareCommand& command, const Console& console, Spread* spread) {
+  CompareRuns runs(command, console);
+  const Spread::Handler handler = [&](const std::string& request) {
+    return runs.Handle(std::stoul(request));
+  };
+  const Interruptible interruptible;
+  if (!spread->IsRoot()) {
+    spread->Serve(handler);
+    return kDone;
+  }
   ExpectEnding(command.report, "--report", {".html", ".json"});
   ExpectWritable(command.report);
-  std::vector<Configuration> configurations;
-  for (const std::string& name : command.configs)
-    configurations.push_back(Choose({name, command.settings}));
+  ExpectWritable(command.state);
   const std::map<std::string, double> best_known = ReadBestKnown(command.best_known);
-  const Registry types = LoadTypes(command.reading);
+
+  std::vector<Exit> refused;
+  std::map<std::size_t, std::optional<RepairedInformation>> repaired;  // by file, of those to solve
+  for (std::size_t i = 0; i < command.files.size() && !Interruptible::WasAsked(); ++i) {
+    try {
+      repaired[i] = runs.Check(command.files[i]);
+    } catch (const graticule::Error& error) {
+      console.Error(error.what());
+      refused.push_back(ExitOf(error.Kind()));
+    }
+  }
+  std::map<std::size_t, ComparisonRun> found;  // by number: in the order of the command line
+  const auto take = [&](std::size_t number, ComparisonRun run) {
+    run.repaired = repaired.at(runs.FileOf(number));
+    console.Progress("");
+    if (!run.error.empty())
+      console.Error(fmt::format("{} with {}: {}", run.file, run.configuration, run.error));
+    found.emplace(number, std::move(run));
+  };
+  const std::string path = Interruptible::WasAsked() ? "" : command.state;
+  CompareState state(path, path.empty() ? "" : runs.Fingerprint(), runs.Count());
+  for (const auto& [number, run] : state.Kept()) take(number, run);
+  std::vector<std::size_t> numbers;
+  std::vector<std::string> requests;
+  for (std::size_t number = 0; number < runs.Count(); ++number) {
+    if (repaired.count(runs.FileOf(number)) == 0 || found.count(number) > 0) continue;
+    numbers.push_back(number);
+    requests.push_back(std::to_string(number));
+  }
+  spread->Run(requests, handler, [&](std::size_t i, const std::string& text) {
+    CompareResult result = ResultOf(text);
+    if (result.is_whole) state.Keep(numbers[i], result.run);
+    take(numbers[i], std::move(result.run));
+  });
 
   Comparison comparison;
   comparison.provenance = Provenance();
-  std::vector<Exit> refused;
-  {
-    const Interruptible interruptible;
-    for (const std::string& file : command.files) {
-      std::optional<RepairedInformation> repaired;
-      std::optional<TruthOf> truth;
-      try {
-        // Once: a file that is refused is refused once.
-        const Recording recording = Load(file, command.reading, types, console);
-        repaired = recording.repaired;
-        truth.emplace(command.comparing, command.reading, recording.graph, console);
-      } catch (const graticule::Error& error) {
-        console.Error(error.what());
-        refused.push_back(ExitOf(error.Kind()));
-        continue;
-      }
-      for (const Configuration& configuration : configurations) {
-        if (Interruptible::WasAsked()) break;
-        comparison.runs.push_back(Repeat(file, command, types, configuration, *truth, console));
-        comparison.runs.back().repaired = repaired;
-        console.Progress("");
-        if (!comparison.runs.back().error.empty())
-          console.Error(fmt::format("{} with {}: {}", file, configuration.name,
-                                    comparison.runs.back().error));
-      }
-    }
-    AddGaps(best_known, &comparison.runs);
-    // First the table: a full disk for the report must not cost the runs.
-    fmt::print("{}", command.json ? ComparisonJson(comparison)
-                                  : ComparisonTable(comparison, console.Colour()));
-    if (!command.report.empty())
-      WriteFile(command.report, Ending(command.report) == ".html" ? ComparisonHtml(comparison)
-                                                                  : ComparisonJson(comparison));
-    if (!command.report.empty() && !command.json) fmt::print("wrote {}\n", command.report);
-    return ExitOfRuns(comparison.runs, refused);
-  }
+  for (auto& [number, run] : found) comparison.runs.push_back(std::move(run));
+  AddGaps(best_known, &comparison.runs);
+  // First the table: a full disk for the report must not cost the runs.
+  fmt::print("{}", command.json ? ComparisonJson(comparison)
+                                : ComparisonTable(comparison, console.Colour()));
+  if (!command.report.empty())
+    WriteFile(command.report, Ending(command.report) == ".html" ? ComparisonHtml(comparison)
+                                                                : ComparisonJson(comparison));
+  if (!command.report.empty() && !command.json) fmt::print("wrote {}\n", command.report);
+  if (Interruptible::WasAsked() && !command.state.empty())
+    console.Note("stopped; the same command goes on from here");
+  return ExitOfRuns(comparison.runs, refused);
+}
+
+}  // namespace
+
+int Run(const CompareCommand& command, const Console& console) {
+  // One run at a time in a process: their times are what is compared.
+  return WithSpread(1, [&](Spread* spread) { return Compare(command, console, spread); });
 }
 
 }  // namespace graticule::apps

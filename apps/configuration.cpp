@@ -101,14 +101,14 @@ Configuration LoadConfiguration(const std::string& name_or_file) {
   return configuration;
 }
 
-std::vector<OptionLine> DescribeOptions() {
+std::vector<OptionLine> DescribeOptions(const Configuration& configuration) {
   std::vector<OptionLine> lines;
   for (const auto& row : InitialiseOptionTable())
-    lines.push_back({row.name, row.accepts, row.get(InitialiseOptions()), row.help});
+    lines.push_back({row.name, row.accepts, row.get(configuration.initialise), row.help});
   for (const auto& row : RejectionOptionTable())
-    lines.push_back({row.name, row.accepts, row.get(RejectionOptions()), row.help});
+    lines.push_back({row.name, row.accepts, row.get(configuration.rejection), row.help});
   for (const auto& row : SolveOptionTable())
-    lines.push_back({row.name, row.accepts, row.get(SolveOptions()), row.help});
+    lines.push_back({row.name, row.accepts, row.get(configuration.solve), row.help});
   return lines;
 }
 

@@ -30,11 +30,10 @@ Configuration LoadConfiguration(const std::string& name_or_file);
 /// Names of the ready configurations.
 std::vector<std::string> ReadyConfigurations();
 
-/// A name, what it accepts, its default and help: every option, for `graticule options` and the
-/// docs.
+/// A name, what it accepts, its value and help: every option, for `graticule options` and the docs.
 struct OptionLine {
   std::string name, accepts, value, help;
 };
-std::vector<OptionLine> DescribeOptions();
+std::vector<OptionLine> DescribeOptions(const Configuration& configuration = {});
 
 }  // namespace graticule::apps

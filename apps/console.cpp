@@ -5,15 +5,20 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
+#include "launcher.hpp"
+
 namespace graticule::apps {
 namespace {
 
 volatile sig_atomic_t interrupted = 0;
+// By the program itself: the first signal after it does not kill.
+std::atomic<bool> asked{false};
 struct sigaction previous_interrupt, previous_terminate;
 
 void OnSignal(int number) {
@@ -57,28 +62,31 @@ Exit ExitOf(Termination termination) {
 
 bool Console::Colour() const {
   const char* no_color = std::getenv("NO_COLOR");
+  if (LaunchedAs().size > 1) return false;  // a launcher's own terminal, whatever comes behind it
   return isatty(STDOUT_FILENO) == 1 && !(no_color && *no_color);
 }
 
 void Console::Error(const std::string& text) const {
+  if (LaunchedAs().rank > 0) return;
   Progress("");
   fmt::print(stderr, "graticule: {}\n", text);
 }
 
 void Console::Note(const std::string& text) const {
-  if (quiet) return;
+  if (quiet || LaunchedAs().rank > 0) return;
   Progress("");
   fmt::print(stderr, "graticule: {}\n", text);
 }
 
 void Console::Progress(const std::string& text) const {
-  if (quiet || !StderrIsTerminal()) return;
+  if (quiet || !StderrIsTerminal() || LaunchedAs().rank > 0) return;
   fmt::print(stderr, "\r\033[K{}", text);
   std::fflush(stderr);
 }
 
 Interruptible::Interruptible() {
   interrupted = 0;
+  asked = false;
   struct sigaction action {};
   action.sa_handler = OnSignal;
   sigaction(SIGINT, &action, &previous_interrupt);
@@ -90,7 +98,9 @@ Interruptible::~Interruptible() {
   sigaction(SIGTERM, &previous_terminate, nullptr);
 }
 
-bool Interruptible::WasAsked() { return interrupted != 0; }
+bool Interruptible::WasAsked() { return interrupted != 0 || asked; }
+
+void Interruptible::Ask() { asked = true; }
 
 Observer Watch(const Console& console, const std::string& what) {
   Observer observer;

@@ -23,7 +23,8 @@ enum Exit {
 Exit ExitOf(ErrorKind kind);
 Exit ExitOf(Termination termination);
 
-/// What every command knows about its terminal.
+/// What every command knows about its terminal.  Of the processes that a launcher started together
+/// only the first has one: the others print nothing.
 struct Console {
   bool quiet = false;
 
@@ -46,6 +47,8 @@ class Interruptible {
   Interruptible(const Interruptible&) = delete;
   Interruptible& operator=(const Interruptible&) = delete;
   static bool WasAsked();
+  /// As if a signal had come.
+  static void Ask();
 };
 
 /// An observer that shows iterations on the progress line and minds Ctrl-C.

@@ -2,13 +2,16 @@
 #include <fmt/core.h>
 #include <malloc.h>
 
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <system_error>
+#include <thread>
 
 #include "arguments.hpp"
 #include "console.hpp"
+#include "launcher.hpp"
 #include "memory_limit.hpp"
 
 namespace {
@@ -26,6 +29,15 @@ void KeepMemory() {
 void EndBlasThreads() {
   if (void* shutdown = dlsym(RTLD_DEFAULT, "blas_thread_shutdown_"))
     reinterpret_cast<int (*)()>(shutdown)();
+}
+
+// Of processes that a launcher started together the first says what is wrong, and has the code: the
+// launcher ends it as soon as another fails.  What is wrong with the words is wrong with its own.
+int CodeBesideTheFirst(int code) {
+  using namespace graticule::apps;
+  if (code == kUsage) return kDone;
+  if (code != kDone) std::this_thread::sleep_for(std::chrono::seconds(1));
+  return code;
 }
 
 }  // namespace
@@ -62,5 +74,5 @@ int main(int argc, char** argv) {
     console.Error("could not write to the standard output");
     if (code == apps::kDone) code = apps::kOtherFailure;
   }
-  return code;
+  return apps::LaunchedAs().rank > 0 ? CodeBesideTheFirst(code) : code;
 }

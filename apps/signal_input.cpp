@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "graticule/io/checksum.hpp"
 #include "graticule/io/config.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/text.hpp"
@@ -96,6 +97,29 @@ std::vector<LoadedSignal> LoadSignals(const SignalInput& input) {
     signals.push_back(std::move(signal));
   }
   return signals;
+}
+
+std::string Fingerprint(const LoadedSignal& signal) {
+  std::string text;
+  for (const std::string& radio : signal.log.radios) text += radio + '\n';
+  const auto add = [&](const auto&... numbers) {
+    for (const double number : {static_cast<double>(numbers)...}) {
+      text += ' ';
+      AppendNumber(&text, number);
+    }
+  };
+  add(signal.log.has_time, signal.log.has_height);
+  for (const SignalMeasurement& measurement : signal.log.measurements) {
+    const SignalLink& link = measurement.link;
+    add(link.time_s, link.receiver, link.transmitter, link.receiver_m.x(), link.receiver_m.y(),
+        link.receiver_m.z(), link.transmitter_m.x(), link.transmitter_m.y(), link.transmitter_m.z(),
+        measurement.dbm, measurement.is_heard);
+  }
+  if (!signal.map) return Checksum(text);
+  const OccupancyGrid& map = *signal.map;
+  add(map.resolution, map.map_from_grid.x, map.map_from_grid.y, map.map_from_grid.yaw, map.width);
+  for (const Occupancy cell : map.cells) text += static_cast<char>('0' + static_cast<int>(cell));
+  return Checksum(text);
 }
 
 MethodOptions OptionsOf(const Choosing& choosing) {

@@ -21,6 +21,9 @@ struct LoadedSignal {
 /// position outside of the map (kInput).
 std::vector<LoadedSignal> LoadSignals(const SignalInput& input);
 
+/// One word for a log's measurements and its map, whatever files they came from.
+std::string Fingerprint(const LoadedSignal& signal);
+
 /// null for no name.
 std::shared_ptr<const OccupancyGrid> LoadMap(const std::string& path);
 

@@ -1,9 +1,8 @@
 #include "graticule/io/recording.hpp"
 
-#include <xxhash.h>
-
 #include <iterator>
 
+#include "graticule/io/checksum.hpp"
 #include "graticule/io/recording_parts.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -24,14 +23,6 @@ constexpr TextLine kTextLines[] = {{"title", &Recording::title},
                                    {"solved-by", &Recording::solved_by}};
 
 constexpr std::string_view kRotationWords[] = {"half", "double", "full"};
-
-std::string Hash(std::string_view text) {
-  constexpr char kHex[] = "0123456789abcdef";
-  const XXH64_hash_t hash = XXH64(text.data(), text.size(), 0);
-  std::string digits;
-  for (int shift = 60; shift >= 0; shift -= 4) digits += kHex[(hash >> shift) & 15];
-  return digits;
-}
 
 // Where the line `end` begins; it must be the last one.
 std::size_t FindEnd(std::string_view text, const TextReader& whole) {
@@ -64,7 +55,7 @@ std::size_t ReadEnd(std::string_view text, std::size_t begin, std::string_view n
   }
   const std::string_view written = reader.Word("the checksum");
   if (written.size() != kHashDigits) reader.FailExpected("16 digits", "the checksum");
-  const std::string found = Hash(text.substr(0, begin));
+  const std::string found = Checksum(text.substr(0, begin));
   if (written != found)
     reader.Fail("the checksum is " + found + ", and the file says " + Quoted(written) +
                 ": the file is damaged, or was edited (then end it with 'end " +
@@ -283,7 +274,7 @@ std::string FormatRecording(const Recording& recording, bool binary) {
   } else {
     AppendTextBody(recording.graph, &text);
   }
-  const std::string hash = Hash(text);
+  const std::string hash = Checksum(text);
   text += "end ";
   AppendInteger(&text, recording.graph.VariableCount() + recording.graph.FactorCount());
   text += " xxh64 " + hash + "\n";

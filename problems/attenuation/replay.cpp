@@ -111,6 +111,7 @@ ReplayResult Replay(const SignalLog& log,
       std::size_t next = known;
       while (next < drive_end && all[next].link.time_s < now_s) ++next;
       if (next == known) continue;
+      if (options.before_step) options.before_step();
       const Stopwatch update;
       predictor->AddMeasurements({all.data() + known, next - known});
       predictor->Update(now_s);

@@ -33,7 +33,8 @@ double Skill(const SignalScore& score, const SignalScore& reference);
 
 struct ReplayOptions {
   double step_s = 2;
-  int horizons = 10;  ///< of step_s each
+  int horizons = 10;                  ///< of step_s each
+  std::function<void()> before_step;  ///< what it throws ends the replay; empty: none
   double new_drive_s =
       30;  ///< a pause this long ends a drive: a step before it predicts none after
   /// Learns each drive from nothing, by a fresh predictor.  Else what was learnt is kept.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <mutex>
+#include <set>
 
 #include "graticule/io/file.hpp"
 #include "graticule/io/text.hpp"
@@ -32,6 +34,7 @@ std::string Heading(const std::vector<double>& start, const CompassOptions& opti
   append(options.scale);
   append(options.lower);
   append(options.upper);
+  if (!options.state_of.empty()) text += "\nof " + options.state_of;
   return text + "\n";
 }
 
@@ -40,7 +43,10 @@ Known ReadState(const std::string& path, const std::string& heading, std::size_t
   if (!std::filesystem::exists(path)) return known;
   const std::string text = ReadFile(path);
   if (text.compare(0, heading.size(), heading) != 0)
-    throw Error(path + ": not the state of this search: other start, steps or bounds");
+    throw Error(path +
+                ": the state of another search: other data, options, start, steps or bounds; "
+                "remove it to begin anew");
+  if (text.back() != '\n') throw Error(path + ": cut short");
   TextReader reader(text, path);
   reader.Seek(heading.size());
   while (reader.NextLine()) {
@@ -87,33 +93,69 @@ void Check(const std::vector<double>& start, const CompassOptions& options) {
 CompassResult CompassSearch(const std::function<double(const std::vector<double>&)>& value,
                             const std::vector<double>& start, const CompassOptions& options) {
   Check(start, options);
+  std::mutex one_at_a_time;
+  const CompassEvaluate evaluate = [&](const std::vector<std::vector<double>>& points,
+                                       const CompassFound& found) {
+    ParallelFor(points.size(), options.threads, [&](std::size_t, std::size_t i) {
+      const double at_point = value(points[i]);
+      const std::lock_guard<std::mutex> lock(one_at_a_time);
+      found(i, at_point);
+    });
+  };
+  return CompassSearch(evaluate, start, options);
+}
+
+CompassResult CompassSearch(const CompassEvaluate& find_values, const std::vector<double>& start,
+                            const CompassOptions& options) {
+  Check(start, options);
   const std::string heading = Heading(start, options);
   Known known;
   if (!options.state_path.empty()) known = ReadState(options.state_path, heading, start.size());
   CompassResult result;
+  result.value = result.start_value = std::nan("");
+  std::set<std::vector<double>> asked;  // for: a search that goes on ends where it would have ended
 
   const auto evaluate = [&](const std::vector<std::vector<double>>& points) {
     std::vector<std::vector<double>> fresh;
     for (const auto& point : points)
-      if (known.find(point) == known.end() &&
-          std::find(fresh.begin(), fresh.end(), point) == fresh.end())
-        fresh.push_back(point);
-    std::vector<double> values(fresh.size());
-    ParallelFor(fresh.size(), options.threads, [&](std::size_t, std::size_t i) {
-      const double found = value(fresh[i]);
-      values[i] = std::isfinite(found) ? found : HUGE_VAL;
+      if (asked.insert(point).second && known.find(point) == known.end()) fresh.push_back(point);
+    if (fresh.empty()) return;
+    find_values(fresh, [&](std::size_t i, double found) {
+      known[fresh[i]] = std::isfinite(found) ? found : HUGE_VAL;
+      ++result.evaluations;
+      if (!options.state_path.empty()) WriteState(options.state_path, heading, known);
     });
-    for (std::size_t i = 0; i < fresh.size(); ++i) known[fresh[i]] = values[i];
-    result.evaluations += fresh.size();
-    if (!fresh.empty() && !options.state_path.empty())
-      WriteState(options.state_path, heading, known);
+  };
+  // Infinite where it was stopped before that was found.
+  const auto value_of = [&](const std::vector<double>& point) {
+    const auto found = known.find(point);
+    return found == known.end() ? HUGE_VAL : found->second;
+  };
+  // Takes the least of those that were found; whether there is one below the best.
+  const auto take_least = [&](const std::vector<std::vector<double>>& points) {
+    bool is_better = false;
+    for (const auto& point : points) {
+      const auto found = known.find(point);
+      if (found == known.end()) {
+        result.was_stopped = true;
+      } else if (found->second < result.value) {
+        result.best = point;
+        result.value = found->second;
+        is_better = true;
+      }
+    }
+    return is_better;
   };
 
-  evaluate({start});
   result.best = start;
+  evaluate({start});
+  if (known.find(start) == known.end()) {
+    result.was_stopped = true;
+    return result;
+  }
   result.value = result.start_value = known.at(start);
   for (double step = options.first_step; step >= options.last_step;) {
-    if (result.evaluations >= options.max_evaluations) return result;
+    if (asked.size() >= options.max_evaluations) return result;
     std::vector<std::vector<double>> points;
     for (std::size_t i = 0; i < start.size(); ++i)
       for (const double sign : {1.0, -1.0}) {
@@ -129,22 +171,18 @@ CompassResult CompassSearch(const std::function<double(const std::vector<double>
     int gains = 0;
     for (std::size_t i = 0; i < start.size(); ++i) {
       const auto &up = points[2 * i], &down = points[2 * i + 1];
-      const auto& better = known.at(down) < known.at(up) ? down : up;
-      if (!(known.at(better) < result.value)) continue;
+      const auto& better = value_of(down) < value_of(up) ? down : up;
+      if (!(value_of(better) < result.value)) continue;
       together[i] = better[i];
       ++gains;
     }
+    bool is_better = take_least(points);
+    if (result.was_stopped) return result;
     if (gains > 1) {
-      points.push_back(together);
       evaluate({together});
+      is_better = take_least({together}) || is_better;
+      if (result.was_stopped) return result;
     }
-    bool is_better = false;
-    for (const auto& point : points)
-      if (known.at(point) < result.value) {
-        result.best = point;
-        result.value = known.at(point);
-        is_better = true;
-      }
     if (!is_better) step /= 2;
   }
   result.has_converged = true;

@@ -54,7 +54,9 @@ struct Stream {
     unsetenv(name);
   for (const auto& [name, value] : options.environment) setenv(name.c_str(), value.c_str(), 1);
   if (!options.folder.empty() && chdir(options.folder.c_str()) != 0) _exit(126);
-  std::vector<char*> words = {const_cast<char*>("graticule")};
+  std::vector<char*> words;
+  for (const std::string& word : options.launcher) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(const_cast<char*>(words.empty() ? "graticule" : GRATICULE_PROGRAM));
   for (const std::string& argument : arguments)
     words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
@@ -62,7 +64,7 @@ struct Stream {
     const rlimit limit = {options.memory_bytes, options.memory_bytes};
     setrlimit(RLIMIT_AS, &limit);
   }
-  execv(GRATICULE_PROGRAM, words.data());
+  execvp(options.launcher.empty() ? GRATICULE_PROGRAM : words[0], words.data());
   _exit(127);
 }
 

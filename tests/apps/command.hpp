@@ -13,6 +13,7 @@ namespace graticule::test {
 
 /// How a command is run, where it matters.
 struct RunOptions {
+  std::vector<std::string> launcher;                      ///< words before it: mpirun -n 2
   std::map<std::string, std::string> environment;         ///< added to this process's own
   std::string stdout_path;                                ///< not a pipe, but this file or device
   bool terminal_stdout = false, terminal_stderr = false;  ///< on a pseudo-terminal

@@ -99,7 +99,7 @@ inline constexpr BrokenFile kBrokenFiles[] = {
     {"key_twice.fg", "4:1", "variable pose:0 is there already: a key may be used once"},
     {"list.yaml", "1:1", "expected lines `name: value`, found a list"},
     {"list_value.yaml", "1:4", "expected a plain value of 'a', found a list"},
-    {"loss_scale_zero.fg", "7:46", "expected a loss scale above zero, found 0"},
+    {"loss_scale_zero.fg", "7:46", "expected a loss scale above zero whose square is a number, found 0"},
     {"loss_unknown.fg", "7:46", "there is no loss 'hubber' (did you mean 'huber'?)"},
     {"loss_without_scale.fg", "7:51",
      "expected a number (the scale of the loss), found the end of the line"},

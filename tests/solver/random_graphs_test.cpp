@@ -193,7 +193,7 @@ TEST(RandomGraphs, AreSolvedOrRefused) {
   EXPECT_GT(counts.solved, 3000);
   EXPECT_GT(counts.converged, 2000);
   EXPECT_GT(counts.refused, 500);
-  EXPECT_GT(counts.covariances, 1500);
+  EXPECT_GT(counts.covariances, 1000);
   EXPECT_GT(counts.diagnosed, 100);
   RecordProperty("solved", counts.solved);
   RecordProperty("converged", counts.converged);
