@@ -169,6 +169,43 @@ TEST(CompassSearch, GoesOnWhereItWasStopped) {
   std::filesystem::remove(path);
 }
 
+TEST(CompassSearch, StoppedAnywhereItEndsAsIfItHadNotBeen) {
+  const std::string path = (std::filesystem::path(testing::TempDir()) / "compass_stops").string();
+  std::filesystem::remove(path);
+  CompassOptions options;
+  options.max_evaluations = 40;  // before it has converged
+  const CompassResult whole = CompassSearch(Valley, {0, 0}, options);
+  EXPECT_FALSE(whole.was_stopped);
+  options.state_path = path;
+  options.state_of = "valley";
+  // Finds so many values, the last of a round first, and is then stopped.
+  const auto search = [&](std::size_t values) {
+    const CompassEvaluate evaluate = [&](const std::vector<std::vector<double>>& points,
+                                         const CompassFound& found) {
+      for (std::size_t i = points.size(); i-- > 0 && values > 0; --values)
+        found(i, Valley(points[i]));
+    };
+    return CompassSearch(evaluate, {0, 0}, options);
+  };
+  const CompassResult none = search(0);
+  EXPECT_TRUE(none.was_stopped);
+  EXPECT_TRUE(std::isnan(none.value));
+  EXPECT_EQ(none.best, (std::vector<double>{0, 0}));
+  std::size_t stops = 0;
+  CompassResult part = search(1);
+  for (; part.was_stopped && stops < 100; ++stops) {
+    EXPECT_EQ(part.evaluations, 1u);
+    EXPECT_EQ(part.value, Valley(part.best));
+    part = search(1);
+  }
+  EXPECT_EQ(stops + part.evaluations, whole.evaluations);
+  EXPECT_EQ(part.best, whole.best);
+  EXPECT_EQ(part.value, whole.value);
+  options.state_of = "hill";
+  EXPECT_THROW(CompassSearch(Valley, {0, 0}, options), Error) << "another function's";
+  std::filesystem::remove(path);
+}
+
 TEST(CompassSearch, StaysWithinItsBounds) {
   CompassOptions options;
   options.lower = {-1, -1};
