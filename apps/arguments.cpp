@@ -39,7 +39,8 @@ void AddComparing(CLI::App* sub, Comparing* comparing) {
   sub->add_option(
       "--ground-truth", comparing->ground_truth,
       "the true poses, to say how far the solution's are from them: TUM (of several "
-      "robots truth.robot1.tum, ... for truth.tum), or a problem whose values are true");
+      "robots truth.robot1.tum, ... for truth.tum; of logs by their times), or a problem whose "
+      "values are true");
   sub->add_option("--align", comparing->align,
                   "how a solution is laid onto the truth: se (rotation and translation), sim (and "
                   "scale), first (its first pose), none")
@@ -178,6 +179,7 @@ void AddMap(CLI::App* app, Chosen* chosen) {
                   "where the receiver's antenna is on the robot: X,Y in m, ahead and to the left")
       ->type_name("X,Y");
   sub->add_option("--truth", command->truth, "a true map (map_server YAML) to compare with");
+  AddComparing(sub, &command->comparing);
   sub->add_option("--start", command->starts,
                   "where the robot of each log begins, in order: x,y,yaw in m and rad; without it, "
                   "robots are joined where they meet")
@@ -242,89 +244,6 @@ void AddCheck(CLI::App* app, Chosen* chosen) {
   AddReading(sub, &command->reading);
 }
 
-void AddSimulate(CLI::App* app, Chosen* chosen) {
-  auto command = std::make_shared<SimulateCommand>();
-  CLI::App* sub = AddCommand(
-      app, "simulate", "make a recorded problem whose truth is known",
-      "  graticule simulate city --robots 4 --poses 1000 -o city.fg --truth truth.tum\n"
-      "  graticule simulate bundle --cameras 20 --points 500 -o ring.fg\n"
-      "  graticule simulate corrupt intel.g2o --outlier-fraction 0.3 --seed 7 -o bad.g2o",
-      command, chosen);
-  sub->add_option("KIND", command->kind,
-                  "city: a multi-robot pose graph; bundle: cameras and points; corrupt: a recorded "
-                  "pose graph with false loop closures added")
-      ->required()
-      ->check(CLI::IsMember({"city", "bundle", "corrupt"}));
-  sub->add_option("IN", command->input, "the problem to corrupt");
-  sub->add_option("-o,--output", command->output, "the problem; the format by its ending")
-      ->required();
-  sub->add_flag("--binary", command->binary, "write .fg with binary numbers");
-  sub->add_option("--truth", command->truth, "the true values: .tum (poses) or a problem file");
-  sub->add_option("--outliers", command->outliers,
-                  "the ids of the factors that were made wrong: .json");
-  sub->add_option("--robots", command->robots)->check(CLI::Range(1, 1000))->capture_default_str();
-  sub->add_option("--poses", command->poses, "of each robot")
-      ->check(CLI::Range(2, 100000000))
-      ->capture_default_str();
-  sub->add_option("--dimension", command->dimension)
-      ->check(CLI::IsMember({2, 3}))
-      ->capture_default_str();
-  sub->add_option("--landmarks", command->landmarks)
-      ->check(CLI::Range(0, 10000000))
-      ->capture_default_str();
-  sub->add_option("--outlier-kind", command->outlier_kind,
-                  "of corrupt: false closures one by one, in runs that agree with each other, or "
-                  "between near poses")
-      ->check(CLI::IsMember({"random", "grouped", "local"}))
-      ->capture_default_str();
-  sub->add_option("--outlier-fraction", command->outlier_fraction, "of the loop closures")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  sub->add_option("--closures-per-pose", command->closures_per_pose,
-                  "loop closures tried a pose, on average")
-      ->check(CLI::Range(0.0, 100.0));
-  sub->add_option("--cameras", command->cameras)
-      ->check(CLI::Range(2, 100000))
-      ->capture_default_str();
-  sub->add_option("--points", command->points)
-      ->check(CLI::Range(4, 10000000))
-      ->capture_default_str();
-  sub->add_option("--seed", command->seed)->capture_default_str();
-  AddReading(sub, &command->reading);
-}
-
-void AddSimulateMission(CLI::App* app, Chosen* chosen) {
-  auto command = std::make_shared<SimulateMissionCommand>();
-  CLI::App* sub = AddCommand(
-      app, "simulate-mission",
-      "make the laser logs of a team of robots in a simulated town, with the truth",
-      "  graticule simulate-mission -o mission/\n"
-      "  graticule simulate-mission --shape phase2-like -o mission/ && graticule map mission/*.log "
-      "--truth mission/truth.yaml -o out/",
-      command, chosen);
-  sub->add_option("-o,--output", command->output,
-                  "the folder for logs, true map, true trajectories and pose graph")
-      ->required();
-  sub->add_option("--shape", command->shape,
-                  "small: 4 robots, 10 minutes; keswick-like, phase2-like: as the thesis' sets")
-      ->check(CLI::IsMember({"small", "keswick-like", "phase2-like"}))
-      ->capture_default_str();
-  sub->add_option("--robots", command->robots, "instead of the shape's")
-      ->check(CLI::Range(1, 1000));
-  sub->add_option("--minutes", command->minutes, "instead of the shape's")
-      ->check(CLI::Range(0.1, 10000.0));
-  sub->add_option("--seed", command->seed)->capture_default_str();
-  sub->add_flag("--record", command->record,
-                "write it as a recorded mission as well, with its sequence of graphs");
-  sub->add_option("--gnss", command->gnss_sigma_m,
-                  "write satellite fixes, one in 5 s, of this deviation in m (gnss.csv)")
-      ->check(CLI::Range(0.001, 1000.0));
-  sub->add_option("--bad-fixes", command->bad_fixes, "so many of them are 50 m off")
-      ->check(CLI::Range(0, 1000000));
-  sub->add_option("--datum", command->datum, "where on the Earth the town's origin is")
-      ->capture_default_str();
-}
-
 void AddLists(CLI::App* app, Chosen* chosen) {
   auto options = std::make_shared<OptionsCommand>();
   AddCommand(app, "options", "list every option and the ready configurations",
@@ -340,16 +259,23 @@ void AddLists(CLI::App* app, Chosen* chosen) {
 
 // CLI11 says of `graticule slove` only that a subcommand is missing.
 void ExpectCommand(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* above = &app;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (!word.empty() && word[0] == '-') continue;
     std::vector<std::string_view> names;
-    for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
-    if (std::find(names.begin(), names.end(), word) == names.end())
+    const CLI::App* named = nullptr;
+    for (const CLI::App* sub : above->get_subcommands({})) {
+      names.push_back(sub->get_name());
+      if (sub->get_name() == word) named = sub;
+    }
+    if (!named)
       throw Error("there is no command '" + word.substr(0, 60) + "'" + DidYouMean(word, names) +
-                      "; graticule --help lists them",
+                      "; graticule " + (above == &app ? "" : above->get_name() + " ") +
+                      "--help lists them",
                   ErrorKind::kUsage);
-    return;
+    if (named->get_require_subcommand_min() == 0) return;
+    above = named;
   }
 }
 
@@ -379,8 +305,6 @@ int RunFromArguments(int argc, char** argv) {
   AddInspect(&app, &chosen);
   AddCheck(&app, &chosen);
   AddSimulate(&app, &chosen);
-  AddSimulateMission(&app, &chosen);
-  AddSimulateScene(&app, &chosen);
   AddLists(&app, &chosen);
   AddManual(&app, &chosen);
   ExpectCommand(app, argc, argv);

@@ -48,9 +48,10 @@ void AddSignal(CLI::App* app, Chosen* chosen);
 /// `calibrate --guide ...` as `calibrate guide ...`.
 std::vector<std::string> GuideAsCommand(std::vector<std::string> words);
 
-/// `graticule segment` and `graticule simulate-scene`.
+/// `graticule segment`.
 void AddSegment(CLI::App* app, Chosen* chosen);
-void AddSimulateScene(CLI::App* app, Chosen* chosen);
+/// `graticule simulate` and what is below it.
+void AddSimulate(CLI::App* app, Chosen* chosen);
 
 /// `graticule coregister`.
 void AddCoregister(CLI::App* app, Chosen* chosen);

@@ -107,6 +107,11 @@ void AddSegment(CLI::App* app, Chosen* chosen) {
                   "the labels of the scan's grid as shades of 16 bits: .png");
   sub->add_option("--report", command->report,
                   "a page with pictures, segments and what was asked for: .html");
+  sub->add_option("--score-from", command->score_from,
+                  "say how well the segments find the cloud's own labels: things are those from "
+                  "this one on (20 of simulated scenes), smaller ones background")
+      ->type_name("LABEL")
+      ->check(CLI::PositiveNumber);
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
   sub->add_flag("--keep-unseen", command->keep_unseen,
                 "keep points that the picture does not show, without a colour");
@@ -115,23 +120,6 @@ void AddSegment(CLI::App* app, Chosen* chosen) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   AddEvaluate(sub, chosen);
-}
-
-void AddSimulateScene(CLI::App* app, Chosen* chosen) {
-  auto command = std::make_shared<SimulateSceneCommand>();
-  CLI::App* sub = AddCommand(
-      app, "simulate-scene", "make a scan and a picture of a scene whose labels are known",
-      "  graticule simulate-scene hallway -o hallway\n"
-      "  graticule segment hallway/scan.pcd --image hallway/image.png --rig hallway/rig.yaml "
-      "--picture labels.png",
-      command, chosen);
-  sub->add_option("SCENE", command->scene,
-                  "hallway (bins, a box, a ball) or hill (barrels, a tree)")
-      ->required()
-      ->check(CLI::IsMember({"hallway", "hill"}));
-  sub->add_option("-o,--output", command->output, "the folder: scan.pcd, image.png, rig.yaml")
-      ->required();
-  sub->add_option("--seed", command->seed, "of the noise")->capture_default_str();
 }
 
 }  // namespace graticule::apps

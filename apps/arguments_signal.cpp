@@ -78,8 +78,10 @@ void AddPredict(CLI::App* signal, Chosen* chosen) {
       ->check(CLI::PositiveNumber);
   sub->add_option("--radio", command->radio, "which of the model's radios is there; else any");
   sub->add_option("--to", command->to, "which of them is everywhere; else any");
-  sub->add_option("--pairs", command->pairs,
-                  "links: CSV of [time,][receiver,transmitter,]rx_x,rx_y[,rx_z],tx_x,tx_y[,tx_z]");
+  sub->add_option(
+      "--pairs", command->pairs,
+      "links: CSV of [time,][receiver,transmitter,]rx_x,rx_y[,rx_z],tx_x,tx_y[,tx_z][,dbm]; "
+      "where strengths are given, it is said how far the predictions are from them");
   sub->add_option("-o,--output", command->output,
                   "where the predictions of --pairs go: CSV; by default stdout");
 }

@@ -73,6 +73,7 @@ struct MapCommand {
   bool no_cover = false, record = false, json = false, skip_bad = false;
   bool keep_poses = false;  ///< of logs: somebody has corrected them
   std::string datum, truth, relations;
+  Comparing comparing;                     ///< of the nodes' poses
   std::vector<std::string> starts;         ///< "x,y,yaw", one a log
   std::vector<std::string> laser_offsets;  ///< "x" or "x,y,yaw", one for all logs or one a log
   std::string gnss;                        ///< "" or a file, or "log"
@@ -143,7 +144,8 @@ struct SegmentCommand {
   std::string picture, label_image;  ///< "" or .png
   std::string report;                ///< "" or .html
   bool json = false, keep_unseen = false;
-  int stride = 1;  ///< every so many rows and columns
+  int score_from = 0;  ///< the least label of a thing; 0: the cloud's labels say nothing
+  int stride = 1;      ///< every so many rows and columns
 };
 
 struct SegmentEvaluateCommand {
@@ -212,6 +214,8 @@ struct SimulateMissionCommand {
   double minutes = 0;  ///< 0: as long as the shape
   std::uint64_t seed = 1;
   bool record = false;
+  int pictures = 16;        ///< of the target by each camera; 0: no cameras, and no scene
+  double rate_hz = 2;       ///< packets of each radio; 0: no radios
   double gnss_sigma_m = 0;  ///< 0: no fixes
   int bad_fixes = 0;
   std::string datum = "42.293,-83.711,260";

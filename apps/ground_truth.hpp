@@ -1,10 +1,13 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "graticule/io/problem_file.hpp"
+#include "graticule/io/trajectory.hpp"
 #include "graticule/problems/pose_graph/trajectory_error.hpp"
 
 namespace graticule::apps {
@@ -26,5 +29,13 @@ class TruthOf {
   GroundTruth truth_;
   TrajectoryErrorOptions options_;
 };
+
+/// What `--align` and `--rpe-distance` say.
+TrajectoryErrorOptions ErrorOptionsOf(const Comparing& comparing);
+
+/// True trajectories of robots by name, as TUM: of one robot `path` itself, of several
+/// `truth.robot1.tum`, ... for `truth.tum`; those that are there.  Throws Error: none is.
+std::map<std::string, std::vector<StampedPose>> TrueTrajectories(
+    const std::string& path, const std::vector<std::string>& robots, const Console& console);
 
 }  // namespace graticule::apps

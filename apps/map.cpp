@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -16,8 +17,10 @@
 #include "graticule/problems/mapping/gnss_factors.hpp"
 #include "graticule/problems/mapping/map_error.hpp"
 #include "graticule/problems/mapping/map_mission.hpp"
+#include "graticule/problems/mapping/timed_truth.hpp"
 #include "graticule/problems/mapping/transients.hpp"
 #include "graticule/solver/provenance.hpp"
+#include "ground_truth.hpp"
 #include "map_files.hpp"
 #include "mission_files.hpp"
 #include "output_folder.hpp"
@@ -136,6 +139,9 @@ int Run(const MapCommand& command, const Console& console) {
   if (datum) loaded.mission.datum = datum;
   const Mission& mission = loaded.mission;
   datum = mission.datum;
+  std::map<std::string, std::vector<StampedPose>> true_poses;
+  if (!command.comparing.ground_truth.empty())
+    true_poses = TrueTrajectories(command.comparing.ground_truth, mission.log.robots, console);
   const std::vector<MissionStep> steps =
       Replay(command, loaded, types, report.title, folder, console);
   const MissionStep& last = steps.back();
@@ -192,6 +198,17 @@ int Run(const MapCommand& command, const Console& console) {
                     agreement.Recall(Occupancy::kStructure), agreement.Iou(Occupancy::kStructure),
                     agreement.Precision(Occupancy::kFree), agreement.Recall(Occupancy::kFree),
                     agreement.Iou(Occupancy::kFree)));
+  }
+
+  if (!true_poses.empty()) {
+    report.accuracy = About(command.comparing.ground_truth, [&] {
+      return TrajectoryErrors(PairByTime(mission, last, true_poses),
+                              ErrorOptionsOf(command.comparing));
+    });
+    report.accuracy->truth = command.comparing.ground_truth;
+    report.facts.emplace_back("poses", AccuracyTitle(*report.accuracy));
+    for (const std::string& line : AccuracyLines(*report.accuracy))
+      report.facts.emplace_back("", line);
   }
 
   // The map first: a full disk for the report must not cost it.

@@ -96,13 +96,18 @@ void ExpectEnding(const std::string& path, const char* option,
 
 std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::string& path,
                                                                  const Graph& graph) {
-  std::vector<std::pair<std::string, std::string>> files;
-  if (path.empty()) return files;
+  if (path.empty()) return {};
   const std::vector<std::string> families = PoseFamilies(graph);
   if (families.empty())
     throw Error(path + ": there is no trajectory to write: the problem has no poses (se2/1, se3/1)",
                 ErrorKind::kUsage);
+  return FilesOfFamilies(path, families);
+}
+
+std::vector<std::pair<std::string, std::string>> FilesOfFamilies(
+    const std::string& path, const std::vector<std::string>& families) {
   if (families.size() == 1) return {{path, families[0]}};
+  std::vector<std::pair<std::string, std::string>> files;
   const std::filesystem::path whole = path;
   for (const std::string& family : families) {
     std::filesystem::path file = whole;

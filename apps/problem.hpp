@@ -50,6 +50,9 @@ void ExpectEnding(const std::string& path, const char* option,
 /// (kUsage) where there are no poses.
 std::vector<std::pair<std::string, std::string>> TrajectoryFiles(const std::string& path,
                                                                  const Graph& graph);
+/// The same of families that are known.
+std::vector<std::pair<std::string, std::string>> FilesOfFamilies(
+    const std::string& path, const std::vector<std::string>& families);
 
 /// Who made a recording, and from what: "graticule 0.1.0 convert a.g2o".  Names no outputs: the
 /// same words give the same bytes wherever they are written.

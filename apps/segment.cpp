@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.hpp"
 #include "graticule/io/cloud_files.hpp"
@@ -11,6 +12,7 @@
 #include "graticule/io/rig.hpp"
 #include "graticule/io/segment_report.hpp"
 #include "graticule/problems/segmentation/colour_cloud.hpp"
+#include "graticule/problems/segmentation/segment_score.hpp"
 #include "graticule/problems/segmentation/segment_statistics.hpp"
 #include "graticule/problems/segmentation/segmenter.hpp"
 #include "graticule/solver/stopwatch.hpp"
@@ -103,6 +105,16 @@ SegmentReport ReportOf(const SegmentCommand& command, const SegmentOptions& opti
   return report;
 }
 
+SegmentScore ScoreAgainstOwn(const SegmentCommand& command, const PointCloud& cloud,
+                             const std::vector<std::uint32_t>& segments) {
+  if (cloud.labels.empty())
+    throw Error(command.cloud + ": has no labels to score against (--score-from)");
+  ScoreOptions options;
+  options.least_object = static_cast<std::uint32_t>(command.score_from);
+  options.width = cloud.width;
+  return ScoreOf(cloud.labels, segments, options);
+}
+
 void PrintLargest(const std::vector<SegmentStatistics>& segments) {
   std::vector<const SegmentStatistics*> by_size;
   for (const SegmentStatistics& segment : segments) by_size.push_back(&segment);
@@ -155,6 +167,8 @@ int Run(const SegmentCommand& command, const Console& console) {
   }
   std::size_t points = 0;
   for (const std::uint32_t label : labels) points += label > 0;
+  std::optional<SegmentScore> score;
+  if (command.score_from > 0) score = ScoreAgainstOwn(command, cloud, labels);
   if (command.json) {
     nlohmann::ordered_json out = {{"cloud", command.cloud},
                                   {"method", command.method},
@@ -164,6 +178,13 @@ int Run(const SegmentCommand& command, const Console& console) {
     if (!command.image.empty())
       out["colours"] = {
           {"seen", colours.seen}, {"hidden", colours.hidden}, {"outside", colours.outside}};
+    if (score)
+      out["score"] = {{"weighted_overlap", score->weighted_overlap},
+                      {"achievable", score->achievable},
+                      {"under_segmentation", score->under_segmentation},
+                      {"objects", score->objects},
+                      {"mean_f", score->mean_f},
+                      {"found", score->found}};
     out["segments"] = SegmentsJson(segments);
     fmt::print("{}\n", out.dump(2));
     return kDone;
@@ -174,6 +195,12 @@ int Run(const SegmentCommand& command, const Console& console) {
     fmt::print(
         "{} points have a colour, {} are hidden from the camera, {} outside of its picture\n",
         colours.seen, colours.hidden, colours.outside);
+  if (score)
+    fmt::print(
+        "against its own labels: weighted overlap {:.3f} (achievable {:.3f}), under-segmentation "
+        "{:.3f}; of {} things F {:.3f}, {:.0f} % found\n",
+        score->weighted_overlap, score->achievable, score->under_segmentation, score->objects,
+        score->mean_f, 100 * score->found);
   PrintLargest(segments);
   if (segments.empty()) console.Note("no segment: no two points are linked");
   return kDone;

@@ -126,7 +126,27 @@ void PredictEverywhere(const SignalPredictCommand& command, const SignalModel& m
   WriteRaster(command.map_of + ".sigma", sigma, 10, 0);
 }
 
-void PredictPairs(const SignalPredictCommand& command, const SignalModel& model) {
+// Of pairs whose strength is known.
+void SayHowFar(const std::string& pairs, const SignalLog& log,
+               const std::vector<SignalPrediction>& predictions, const Console& console) {
+  double squares = 0, sum = 0;
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const double off = predictions[i].dbm - log.measurements[i].dbm;
+    sum += off;
+    squares += off * off;
+    inside += std::abs(off) <= predictions[i].sigma_db;
+  }
+  const auto n = static_cast<double>(predictions.size());
+  console.Note(fmt::format(
+      "{}: {} strengths are predicted to {:.2f} dB (rms; mean {:+.2f} dB), {:.0f} % within one "
+      "standard deviation",
+      pairs, predictions.size(), std::sqrt(squares / n), sum / n,
+      100 * static_cast<double>(inside) / n));
+}
+
+void PredictPairs(const SignalPredictCommand& command, const SignalModel& model,
+                  const Console& console) {
   const SignalLog log = ReadSignalPairs(command.pairs);
   std::vector<SignalLink> links;
   for (const SignalMeasurement& measurement : log.measurements) {
@@ -157,11 +177,12 @@ void PredictPairs(const SignalPredictCommand& command, const SignalModel& model)
     fmt::print("{}", text);
   else
     WriteFile(command.output, text);
+  if (log.measurements.front().is_heard) SayHowFar(command.pairs, log, predictions, console);
 }
 
 }  // namespace
 
-int Run(const SignalPredictCommand& command, const Console&) {
+int Run(const SignalPredictCommand& command, const Console& console) {
   if (command.pairs.empty() == command.map_of.empty())
     throw Error("signal predict: either --pairs FILE, or --from X,Y --map-of OUT",
                 ErrorKind::kUsage);
@@ -170,7 +191,7 @@ int Run(const SignalPredictCommand& command, const Console&) {
   if (!command.from.empty()) PlaceOf(command.from);
   const SignalModel model = LoadSignalModel(command.model, command.map);
   if (!command.pairs.empty())
-    PredictPairs(command, model);
+    PredictPairs(command, model, console);
   else
     PredictEverywhere(command, model, *LoadMap(command.map));
   return kDone;

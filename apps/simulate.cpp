@@ -41,9 +41,6 @@ void Write(const SimulateCommand& command, const Graph& graph, const Values& tru
 }
 
 int Corrupt(const SimulateCommand& command, const Console& console) {
-  if (!command.truth.empty())
-    throw Error("--truth: nobody knows the truth of a recorded problem; solve it as it is",
-                ErrorKind::kUsage);
   if (command.outlier_fraction <= 0)
     throw Error("simulate corrupt needs --outlier-fraction, the share of false closures",
                 ErrorKind::kUsage);
@@ -83,11 +80,6 @@ int Run(const SimulateCommand& command, const Console& console) {
   ExpectEnding(command.truth, "--truth", truths);
   for (const std::string& path : {command.output, command.truth, command.outliers})
     ExpectWritable(path);
-  if (command.kind == "corrupt" && command.input.empty())
-    throw Error("simulate corrupt needs the problem to corrupt", ErrorKind::kUsage);
-  if (command.kind != "corrupt" && !command.input.empty())
-    throw Error("simulate " + command.kind + " reads no problem, found '" + command.input + "'",
-                ErrorKind::kUsage);
   if (command.kind == "corrupt") return Corrupt(command, console);
 
   if (command.kind == "bundle") {

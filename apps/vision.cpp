@@ -20,6 +20,7 @@ int Run(const CalibrateGuideCommand&, const Console&) { return BecomeVision(); }
 int Run(const CalibrateTargetCommand&, const Console&) { return BecomeVision(); }
 int Run(const SegmentCommand&, const Console&) { return BecomeVision(); }
 int Run(const SegmentEvaluateCommand&, const Console&) { return BecomeVision(); }
+int Run(const SimulateMissionCommand&, const Console&) { return BecomeVision(); }
 int Run(const SimulateSceneCommand&, const Console&) { return BecomeVision(); }
 int Run(const CoregisterCommand&, const Console&) { return BecomeVision(); }
 

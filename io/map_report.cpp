@@ -6,6 +6,7 @@
 #include "graticule/io/chart.hpp"
 #include "graticule/io/html.hpp"
 #include "graticule/io/readable.hpp"
+#include "graticule/io/report_json.hpp"
 #include "graticule/io/svg.hpp"
 
 namespace graticule {
@@ -198,9 +199,13 @@ std::string MapReportHtml(const MapReport& report, const std::string& map_svg) {
 
 std::string MapReportJson(const MapReport& report) {
   nlohmann::ordered_json json = {{"schema", "graticule-map/1"}, {"title", report.title}};
-  for (const auto& [name, value] : report.facts) json["facts"][name] = value;
+  // Facts without a name go on with the one before, and are told by members of their own.
+  for (const auto& [name, value] : report.facts)
+    if (!name.empty()) json["facts"][name] = value;
   json["runs"] = nlohmann::ordered_json::array();
   for (const MapRun& run : report.runs) json["runs"].push_back(Json(run));
+  if (report.accuracy)
+    json["accuracy"] = nlohmann::ordered_json::parse(AccuracyJson(report.accuracy));
   json["warnings"] = report.warnings;
   return json.dump(2) + "\n";
 }

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "graticule/io/accuracy.hpp"
 
 namespace graticule {
 
@@ -28,6 +31,7 @@ struct MapReport {
   std::vector<std::pair<std::string, std::string>> facts;  ///< "robots" "14", in order
   std::vector<MapRun> runs;                                ///< the first is the one that is written
   std::vector<std::string> warnings;
+  std::optional<Accuracy> accuracy = {};  ///< of the poses, where the truth is known
 };
 
 /// Total, mean, 99th percentile and worst of a run's updates, in seconds.

@@ -184,6 +184,10 @@ std::string RepairedJson(const std::optional<RepairedInformation>& repaired) {
   return Repaired(repaired).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string AccuracyJson(const std::optional<Accuracy>& accuracy) {
+  return AgainstTruth(accuracy).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 std::string ReportJson(const Report& report, const ReportContext& context) {
   Json json;
   json["schema"] = "graticule-report/1";

@@ -15,5 +15,7 @@ std::string ReportJson(const Report& report, const ReportContext& context = {});
 
 /// What reports have under `repaired_information`: an object, or null where nothing was repaired.
 std::string RepairedJson(const std::optional<RepairedInformation>& repaired);
+/// What reports have under `accuracy`: an object, or null without a truth.
+std::string AccuracyJson(const std::optional<Accuracy>& accuracy);
 
 }  // namespace graticule

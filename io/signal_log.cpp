@@ -221,6 +221,36 @@ void AppendPosition(std::string* text, const Eigen::Vector3d& map_from_radio, bo
   }
 }
 
+std::string Format(const SignalLog& log, bool has_positions) {
+  for (const std::string& radio : log.radios) CheckName(radio);
+  const bool is_censored =
+      std::any_of(log.measurements.begin(), log.measurements.end(),
+                  [](const SignalMeasurement& measurement) { return !measurement.is_heard; });
+  std::string text = log.has_time ? "time," : "";
+  text += "receiver,transmitter";
+  if (has_positions)
+    text += log.has_height ? ",rx_x,rx_y,rx_z,tx_x,tx_y,tx_z" : ",rx_x,rx_y,tx_x,tx_y";
+  text += ",dbm";
+  text += is_censored ? ",heard\n" : "\n";
+  for (const SignalMeasurement& measurement : log.measurements) {
+    const SignalLink& link = measurement.link;
+    if (log.has_time) {
+      AppendNumber(&text, link.time_s);
+      text += ',';
+    }
+    text += log.radios[link.receiver] + "," + log.radios[link.transmitter];
+    if (has_positions) {
+      AppendPosition(&text, link.receiver_m, log.has_height);
+      AppendPosition(&text, link.transmitter_m, log.has_height);
+    }
+    text += ',';
+    AppendNumber(&text, measurement.dbm);
+    if (is_censored) text += measurement.is_heard ? ",1" : ",0";
+    text += '\n';
+  }
+  return text;
+}
+
 }  // namespace
 
 SignalLog ParseSignalLog(std::string_view text, const std::string& name,
@@ -250,31 +280,9 @@ std::map<std::string, Eigen::Vector3d> ParseAnchors(std::string_view text,
   return anchors;
 }
 
-std::string FormatSignalLog(const SignalLog& log) {
-  for (const std::string& radio : log.radios) CheckName(radio);
-  const bool is_censored =
-      std::any_of(log.measurements.begin(), log.measurements.end(),
-                  [](const SignalMeasurement& measurement) { return !measurement.is_heard; });
-  std::string text = log.has_time ? "time," : "";
-  text += log.has_height ? "receiver,transmitter,rx_x,rx_y,rx_z,tx_x,tx_y,tx_z,dbm"
-                         : "receiver,transmitter,rx_x,rx_y,tx_x,tx_y,dbm";
-  text += is_censored ? ",heard\n" : "\n";
-  for (const SignalMeasurement& measurement : log.measurements) {
-    const SignalLink& link = measurement.link;
-    if (log.has_time) {
-      AppendNumber(&text, link.time_s);
-      text += ',';
-    }
-    text += log.radios[link.receiver] + "," + log.radios[link.transmitter];
-    AppendPosition(&text, link.receiver_m, log.has_height);
-    AppendPosition(&text, link.transmitter_m, log.has_height);
-    text += ',';
-    AppendNumber(&text, measurement.dbm);
-    if (is_censored) text += measurement.is_heard ? ",1" : ",0";
-    text += '\n';
-  }
-  return text;
-}
+std::string FormatSignalLog(const SignalLog& log) { return Format(log, true); }
+
+std::string FormatSignalLogWithoutPositions(const SignalLog& log) { return Format(log, false); }
 
 void WriteSignalLog(const SignalLog& log, const std::string& path) {
   WriteFile(path, FormatSignalLog(log));

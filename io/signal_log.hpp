@@ -65,7 +65,9 @@ std::map<std::string, Eigen::Vector3d> ParseAnchors(std::string_view text, const
 /// The long form, which reads back to the bit; a column `heard` only where one was not.  Throws
 /// Error (kInput): a name with a comma, a quote, a line end or blanks around it.
 std::string FormatSignalLog(const SignalLog& log);
-/// The same into a file; packed with gzip if its name ends in `.gz`.
+/// The same without positions, as radios that do not know where they are write it.
+std::string FormatSignalLogWithoutPositions(const SignalLog& log);
+/// The long form into a file; packed with gzip if its name ends in `.gz`.
 void WriteSignalLog(const SignalLog& log, const std::string& path);
 
 }  // namespace graticule

@@ -18,6 +18,7 @@ SignalLog ParseSignalPairs(std::string_view text, const std::string& name) {
                             table.Find({"tx_y", "transmitter_y"})};
   const std::size_t rx_z = table.Find({"rx_z", "receiver_z"});
   const std::size_t tx_z = table.Find({"tx_z", "transmitter_z"});
+  const std::size_t dbm = table.Find({"dbm", "rssi", "rss_dbm"});
   if (std::find(std::begin(at), std::end(at), kNone) != std::end(at))
     table.FailLine("pairs need the columns rx_x, rx_y, tx_x and tx_y");
   SignalLog log;
@@ -33,7 +34,8 @@ SignalLog ParseSignalPairs(std::string_view text, const std::string& name) {
   };
   while (table.Next()) {
     SignalMeasurement pair;
-    pair.is_heard = false;
+    pair.is_heard = dbm != kNone;
+    if (pair.is_heard) pair.dbm = table.Number(dbm);
     pair.link.time_s = time == kNone ? 0 : table.Number(time);
     pair.link.receiver = radio(receiver, "rx");
     pair.link.transmitter = radio(transmitter, "tx");

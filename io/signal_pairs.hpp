@@ -8,9 +8,9 @@
 namespace graticule {
 
 /// Reads links that strengths are to be predicted over: CSV of [time,] [receiver,] [transmitter,]
-/// rx_x, rx_y[, rx_z], tx_x, tx_y[, tx_z]; other columns are passed over.  Without names the ends
-/// are "rx" and "tx".  A link's measurement has no strength (dBm 0, not heard).  Throws Error
-/// "name:line:column: ...".
+/// rx_x, rx_y[, rx_z], tx_x, tx_y[, tx_z][, dbm]; other columns are passed over.  Without names the
+/// ends are "rx" and "tx".  Without `dbm` a link's measurement has no strength (dBm 0, not heard).
+/// Throws Error "name:line:column: ...".
 SignalLog ParseSignalPairs(std::string_view text, const std::string& name);
 SignalLog ReadSignalPairs(const std::string& path);
 

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "graticule/problems/attenuation/simulate_explore.hpp"
+#include "graticule/problems/attenuation/simulate_team.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -13,15 +14,6 @@ namespace {
 
 /// Positions and strengths as files have them: what is written reads back the same.
 double Rounded(double value, double unit) { return std::round(value / unit) * unit; }
-
-/// A robot hears another: bias, fading and all that the receiver reports.
-SignalMeasurement Hear(const SignalLink& link, double dbm, const RadioOptions& radio) {
-  SignalMeasurement measurement;
-  measurement.link = link;
-  measurement.is_heard = dbm >= radio.floor_dbm;
-  measurement.dbm = measurement.is_heard ? Rounded(dbm, radio.step_db) : radio.floor_dbm;
-  return measurement;
-}
 
 }  // namespace
 
@@ -41,19 +33,8 @@ SimulatedSignal SimulateSignal(const SignalMissionOptions& options) {
   result.plan = MakeFloorPlan(options.place);
   const OccupancyGrid truth = result.plan.Occupied();
   Exploration team(truth, options.robots, options.speed_m_s, options.scan_range_m, options.seed);
-  RadioWorld world(result.plan, options.radio, options.place.seed);
-
-  RandomNumbers biases(options.seed, 3), random(options.seed, 4);
   const auto robots = static_cast<std::size_t>(options.robots);
-  for (std::size_t i = 0; i < robots; ++i) {
-    result.log.radios.push_back("robot" + std::to_string(i + 1));
-    result.bias_db.push_back(options.radio.bias_db * biases.Normal());
-    result.sending_bias_db.push_back(options.radio.end_bias_db * biases.Normal());
-    result.listening_bias_db.push_back(options.radio.end_bias_db * biases.Normal());
-  }
-  std::vector<LinkFading> fading;
-  for (std::size_t i = 0; i < robots * (robots - 1) / 2; ++i)
-    fading.emplace_back(options.radio, &random);
+  TeamRadios radios(result.plan, options.radio, robots, options.place.seed, options.seed);
   result.trajectories.resize(robots);
 
   const double tick_s = 1 / options.rate_hz;
@@ -78,26 +59,12 @@ SimulatedSignal SimulateSignal(const SignalMissionOptions& options) {
         result.trajectories[i].push_back(StampPlanar(time_s, {at[i].x(), at[i].y(), 0}));
       next_pose_s += 1;
     }
-    std::size_t pair = 0;
-    for (std::size_t a = 0; a < robots; ++a)
-      for (std::size_t b = a + 1; b < robots; ++b, ++pair) {
-        const double material = world.MaterialLossDb(at[a], at[b]);
-        const double moved = team.Driven()[a] + team.Driven()[b];
-        const double shared = world.MeanDbm(at[a], at[b], material) +
-                              fading[pair].Next(moved, tick_s, material) + result.bias_db[a] +
-                              result.bias_db[b];
-        for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-          SignalLink link;
-          link.time_s = time_s;
-          link.transmitter = static_cast<std::uint32_t>(from);
-          link.receiver = static_cast<std::uint32_t>(to);
-          link.transmitter_m = at[from];
-          link.receiver_m = at[to];
-          const double dbm = shared + result.sending_bias_db[from] + result.listening_bias_db[to];
-          result.log.measurements.push_back(Hear(link, dbm, options.radio));
-        }
-      }
+    radios.Send(time_s, at, team.Driven(), tick_s);
   }
+  result.log = radios.Log();
+  result.bias_db = radios.BiasDb();
+  result.sending_bias_db = radios.SendingBiasDb();
+  result.listening_bias_db = radios.ListeningBiasDb();
   result.log.has_height = options.height_m != 0;
   result.map = std::make_shared<const OccupancyGrid>(team.Map());
   result.maps.push_back({options.place.duration_s, result.map});

@@ -19,10 +19,10 @@ class Builder {
 
   void Build() {
     const double width = options_.width_m, height = options_.height_m;
-    Fill(0, 0, width, kWall, true);
-    Fill(0, height - kWall, width, height, true);
-    Fill(0, 0, kWall, height, true);
-    Fill(width - kWall, 0, width, height, true);
+    Fill(0, 0, width, kWall, TownThing::kWall);
+    Fill(0, height - kWall, width, height, TownThing::kWall);
+    Fill(0, 0, kWall, height, TownThing::kWall);
+    Fill(width - kWall, 0, width, height, TownThing::kWall);
     const double pitch = options_.block_m + options_.street_m;
     const auto blocks = [&](double size) {
       return std::max(1, static_cast<int>((size - options_.street_m) / pitch));
@@ -43,26 +43,30 @@ class Builder {
   }
 
  private:
-  void Fill(double x0, double y0, double x1, double y1, bool structure) {
+  void Fill(double x0, double y0, double x1, double y1, TownThing thing) {
     OccupancyGrid& grid = town_.grid;
     const auto cell = [&](double metres, std::size_t most) {
       const double at = std::round(metres / grid.resolution);
       return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(most)));
     };
     for (std::size_t y = cell(y0, grid.height); y < cell(y1, grid.height); ++y)
-      for (std::size_t x = cell(x0, grid.width); x < cell(x1, grid.width); ++x)
-        grid.cells[y * grid.width + x] = structure ? Occupancy::kStructure : Occupancy::kFree;
+      for (std::size_t x = cell(x0, grid.width); x < cell(x1, grid.width); ++x) {
+        grid.cells[y * grid.width + x] =
+            thing == TownThing::kOpen ? Occupancy::kFree : Occupancy::kStructure;
+        town_.things[y * grid.width + x] = thing;
+      }
   }
   // A wall along x or y; `at` is its middle across.
-  void Wall(bool along_x, double at, double from, double to) {
+  void Wall(bool along_x, double at, double from, double to, TownThing what = TownThing::kWall) {
     const double low = at - kWall / 2, high = at + kWall / 2;
-    along_x ? Fill(from, low, to, high, true) : Fill(low, from, high, to, true);
+    along_x ? Fill(from, low, to, high, what) : Fill(low, from, high, to, what);
   }
   // A gap in such a wall, which leads through it.
   void Door(bool wall_along_x, double at, double middle, double width) {
     const double low = at - kWall, high = at + kWall;
     const double from = middle - width / 2, to = middle + width / 2;
-    wall_along_x ? Fill(from, low, to, high, false) : Fill(low, from, high, to, false);
+    wall_along_x ? Fill(from, low, to, high, TownThing::kOpen)
+                 : Fill(low, from, high, to, TownThing::kOpen);
     if (wall_along_x)
       town_.doors.push_back({middle, at, false});
     else
@@ -78,8 +82,8 @@ class Builder {
     Wall(false, x1 - half, y0, y1);
     const double middle = 0.5 * (y0 + y1) + (random_.Unit() - 0.5) * 0.2 * (y1 - y0);
     const double low = middle - kCorridor / 2, high = middle + kCorridor / 2;
-    Wall(true, low - half, x0, x1);
-    Wall(true, high + half, x0, x1);
+    Wall(true, low - half, x0, x1, TownThing::kPartition);
+    Wall(true, high + half, x0, x1, TownThing::kPartition);
     Door(false, x0 + half, middle, kHouseDoor);
     Door(false, x1 - half, middle, kHouseDoor);
     for (const bool above : {false, true}) {
@@ -88,7 +92,7 @@ class Builder {
       while (from < x1 - 3) {
         double to = from + 4 + 4 * random_.Unit();
         if (x1 - to < 4) to = x1 - kWall;
-        if (to < x1 - kWall - 0.01) Wall(false, to + half, bottom, top);
+        if (to < x1 - kWall - 0.01) Wall(false, to + half, bottom, top, TownThing::kPartition);
         const double door = from + 0.8 + (to - from - 1.6) * random_.Unit();
         Door(true, above ? high + half : low - half, door, kRoomDoor);
         // Some rooms lead out into the street as well.
@@ -103,7 +107,7 @@ class Builder {
     if (x1 - x0 < 3 || y1 - y0 < 4 || random_.Unit() < 0.3) return;
     const double x = x0 + 0.4 + (x1 - x0 - 2.4) * random_.Unit();
     const double y = y0 + 1.8 + (y1 - y0 - 4.0) * random_.Unit();
-    Fill(x, y, x + 0.8 + 0.8 * random_.Unit(), y + 0.6, true);
+    Fill(x, y, x + 0.8 + 0.8 * random_.Unit(), y + 0.6, TownThing::kFurniture);
   }
   void Yard(double x0, double y0, double x1, double y1) {
     const double area = (x1 - x0) * (y1 - y0);
@@ -111,11 +115,11 @@ class Builder {
       const double x = x0 + 2 + (x1 - x0 - 4) * random_.Unit();
       const double y = y0 + 2 + (y1 - y0 - 4) * random_.Unit();
       if (random_.Unit() < 0.5) {  // a tree
-        Fill(x - 0.2, y - 0.2, x + 0.2, y + 0.2, true);
+        Fill(x - 0.2, y - 0.2, x + 0.2, y + 0.2, TownThing::kTree);
       } else if (random_.Unit() < 0.5) {  // a car
-        Fill(x - 2.1, y - 0.9, x + 2.1, y + 0.9, true);
+        Fill(x - 2.1, y - 0.9, x + 2.1, y + 0.9, TownThing::kCar);
       } else {
-        Fill(x - 0.9, y - 2.1, x + 0.9, y + 2.1, true);
+        Fill(x - 0.9, y - 2.1, x + 0.9, y + 2.1, TownThing::kCar);
       }
     }
   }
@@ -145,6 +149,7 @@ Town MakeTown(const TownOptions& options) {
   town.grid.width = static_cast<std::size_t>(columns);
   town.grid.height = static_cast<std::size_t>(rows);
   town.grid.cells.assign(town.grid.width * town.grid.height, Occupancy::kFree);
+  town.things.assign(town.grid.cells.size(), TownThing::kOpen);
   Builder(options, &town).Build();
   return town;
 }

@@ -18,9 +18,15 @@ struct TownOptions {
   std::uint64_t seed = 1;
 };
 
+/// What a cell of a town is.
+enum class TownThing : std::uint8_t { kOpen, kWall, kPartition, kFurniture, kTree, kCar };
+
 struct Town {
   /// The truth: every cell structure or free; (0, 0) is the lower left corner.
   OccupancyGrid grid;
+  /// What each of its cells is: kOpen where it is free.  Outer walls of houses and of the town are
+  /// kWall, walls between rooms kPartition.
+  std::vector<TownThing> things;
   /// Centres of doors [m], and which way they lead: along x or along y.
   struct Door {
     double x, y;

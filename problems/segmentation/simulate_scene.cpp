@@ -8,7 +8,7 @@
 #include <string>
 
 #include "graticule/problems/calibration/state.hpp"
-#include "graticule/problems/random.hpp"
+#include "graticule/problems/segmentation/scene_sensors.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -16,10 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A ray from `origin`, and how far along it something is.
-struct Ray {
-  Vector3d origin, direction;
-};
+using Ray = SceneRay;
 
 enum class Shape { kFloor, kSlope, kWall, kBox, kCylinder, kBall };
 
@@ -161,42 +158,20 @@ std::vector<Thing> Hill() {
   };
 }
 
-std::uint8_t Channel(double value) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
-}
-
-ColourImage Photograph(const std::vector<Thing>& things, const Camera& camera,
-                       const Eigen::Isometry3d& world_from_camera, const SceneOptions& options) {
-  ColourImage image;
-  image.width = static_cast<std::size_t>(camera.Width());
-  image.height = static_cast<std::size_t>(camera.Height());
-  image.rgb.assign(3 * image.width * image.height, 0);
-  RandomNumbers random(options.seed, 2);
-  const Vector3d light = Vector3d(-0.4, 0.3, 1).normalized();
-  for (std::size_t v = 0; v < image.height; ++v)
-    for (std::size_t u = 0; u < image.width; ++u) {
-      const auto ray_in_camera =
-          camera.Unproject(Eigen::Vector2d(static_cast<double>(u), static_cast<double>(v)));
-      if (!ray_in_camera) continue;
-      const Ray ray = {world_from_camera.translation(),
-                       world_from_camera.linear() * *ray_in_camera};
-      double distance;
-      const Thing* thing = FirstHit(things, ray, &distance);
-      // Sky and what is too far are white; light falls from above, softly.
-      const Vector3d colour = thing ? thing->colour : Vector3d(250, 250, 255);
-      double shade = 1;
-      if (thing && (thing->shape == Shape::kCylinder || thing->shape == Shape::kBall)) {
-        const Vector3d at = ray.origin + distance * ray.direction;
-        Vector3d normal = at - thing->place;
-        if (thing->shape == Shape::kCylinder)
-          normal.z() = at.z() > thing->place.z() + thing->size.z() - 1e-6 ? 10 : 0;
-        shade = 0.85 + 0.15 * normal.normalized().dot(light);
-      }
-      for (std::size_t c = 0; c < 3; ++c)
-        image.rgb[3 * (v * image.width + u) + c] = Channel(
-            shade * colour[static_cast<Eigen::Index>(c)] + options.colour_sigma * random.Normal());
-    }
-  return image;
+// Light falls from above, softly.
+std::optional<SceneHit> Cast(const std::vector<Thing>& things, const Ray& ray) {
+  double distance;
+  const Thing* thing = FirstHit(things, ray, &distance);
+  if (!thing) return std::nullopt;
+  double shade = 1;
+  if (thing->shape == Shape::kCylinder || thing->shape == Shape::kBall) {
+    const Vector3d at = ray.origin + distance * ray.direction;
+    Vector3d normal = at - thing->place;
+    if (thing->shape == Shape::kCylinder)
+      normal.z() = at.z() > thing->place.z() + thing->size.z() - 1e-6 ? 10 : 0;
+    shade = 0.85 + 0.15 * normal.normalized().dot(Vector3d(-0.4, 0.3, 1).normalized());
+  }
+  return SceneHit{distance, thing->label, shade * thing->colour};
 }
 
 }  // namespace
@@ -219,32 +194,10 @@ SimulatedScene SimulateScene(std::string_view name, const SceneOptions& options)
   Eigen::Isometry3d world_from_lidar = Eigen::Isometry3d::Identity();
   world_from_lidar.translation() = Vector3d(0, 0, 1);
 
-  PointCloud& cloud = scene.cloud;
-  cloud.width = options.bearings;
-  cloud.height = options.scans;
-  cloud.in_sensor.assign(cloud.width * cloud.height, kNoReturn);
-  cloud.labels.assign(cloud.width * cloud.height, 0);
-  RandomNumbers random(options.seed, 1);
-  for (std::size_t row = 0; row < cloud.height; ++row)
-    for (std::size_t column = 0; column < cloud.width; ++column) {
-      // From above the horizon down to the feet; the first column is on the left.
-      const double tilt =
-          0.35 - options.sweep_rad * static_cast<double>(row) /
-                     static_cast<double>(std::max<std::size_t>(cloud.height, 2) - 1);
-      const double bearing = options.bearing_step_rad * (static_cast<double>(cloud.width - 1) / 2 -
-                                                         static_cast<double>(column));
-      const Vector3d in_lidar(std::cos(bearing) * std::cos(tilt), std::sin(bearing),
-                              std::cos(bearing) * std::sin(tilt));
-      double distance;
-      const Thing* thing = FirstHit(things, {world_from_lidar.translation(), in_lidar}, &distance);
-      const double noise = options.range_sigma_m * random.Normal();
-      if (!thing || distance > options.max_range_m) continue;
-      const std::size_t i = row * cloud.width + column;
-      cloud.in_sensor[i] = ((distance + noise) * in_lidar).cast<float>();
-      cloud.labels[i] = thing->label;
-    }
-  scene.image = Photograph(things, Camera(scene.camera),
-                           world_from_lidar * camera_from_lidar.inverse(), options);
+  const RayCaster cast = [&](const Ray& ray) { return Cast(things, ray); };
+  scene.cloud = SweepScene(cast, world_from_lidar, options);
+  scene.image = PhotographScene(cast, Camera(scene.camera),
+                                world_from_lidar * camera_from_lidar.inverse(), options);
   return scene;
 }
 
