@@ -112,7 +112,11 @@ SegmentScore ScoreAgainstOwn(const SegmentCommand& command, const PointCloud& cl
   ScoreOptions options;
   options.least_object = static_cast<std::uint32_t>(command.score_from);
   options.width = cloud.width;
-  return ScoreOf(cloud.labels, segments, options);
+  // What has no point, as it is outside of the picture, was not to be segmented.
+  std::vector<std::uint32_t> labels = cloud.labels;
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (!cloud.in_sensor[i].allFinite()) labels[i] = 0;
+  return ScoreOf(labels, segments, options);
 }
 
 void PrintLargest(const std::vector<SegmentStatistics>& segments) {

@@ -29,6 +29,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kFixEveryS = 5;
+constexpr int kStreetThings = 10;  // a block
 
 void Record(const Mission& mission, const std::string& title, const std::string& made_by,
             const OutputFolder& folder, const Console& console) {
@@ -115,6 +116,7 @@ Json WriteScene(const SimulatedMission& simulated, const SimulateMissionCommand&
 
 int Run(const SimulateMissionCommand& command, const Console& console) {
   MissionOptions options;
+  options.town.street_things = kStreetThings;
   if (command.shape == "keswick-like") options = KeswickLike();
   if (command.shape == "phase2-like") options = Phase2Like();
   if (command.robots > 0) options.robots = command.robots;

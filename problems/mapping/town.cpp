@@ -11,11 +11,15 @@ namespace graticule {
 namespace {
 
 constexpr double kWall = 0.2, kRoomDoor = 1.0, kHouseDoor = 1.4, kCorridor = 2.0;
+constexpr std::uint64_t kStreetStream = 1;
 
 class Builder {
  public:
   Builder(const TownOptions& options, Town* town)
-      : options_(options), town_(*town), random_(options.seed) {}
+      : options_(options),
+        town_(*town),
+        random_(options.seed),
+        street_random_(options.seed, kStreetStream) {}
 
   void Build() {
     const double width = options_.width_m, height = options_.height_m;
@@ -40,6 +44,10 @@ class Builder {
         else
           House(x + 1, y + 1, x + block_x - 1, y + block_y - 1);
       }
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column)
+        LineStreets(options_.street_m + column * (block_x + options_.street_m),
+                    options_.street_m + row * (block_y + options_.street_m), block_x, block_y);
   }
 
  private:
@@ -76,6 +84,7 @@ class Builder {
   // Rooms on both sides of a corridor along x, which leads out at both ends.
   void House(double x0, double y0, double x1, double y1) {
     const double half = kWall / 2;
+    town_.houses.push_back({x0, y0, x1, y1});
     Wall(true, y0 + half, x0, x1);
     Wall(true, y1 - half, x0, x1);
     Wall(false, x0 + half, y0, y1);
@@ -109,6 +118,24 @@ class Builder {
     const double y = y0 + 1.8 + (y1 - y0 - 4.0) * random_.Unit();
     Fill(x, y, x + 0.8 + 0.8 * random_.Unit(), y + 0.6, TownThing::kFurniture);
   }
+  // Beside the four sides of a block, in its streets.
+  void LineStreets(double x0, double y0, double width, double height) {
+    constexpr double kCarLength = 4.2, kCarWidth = 1.8, kTrunk = 0.4, kGate = 16;
+    for (int i = 0; i < options_.street_things; ++i) {
+      const bool along_x = street_random_.Unit() < 0.5, beyond = street_random_.Unit() < 0.5;
+      const bool is_car = street_random_.Unit() < 0.6;
+      const double length = is_car ? kCarLength : kTrunk, across = is_car ? kCarWidth : kTrunk;
+      const double side = along_x ? width : height, depth = along_x ? height : width;
+      const double at = 1 + street_random_.Unit() * (side - 2 - length);
+      // Cars stand in the street, trees on the strip before the houses.
+      const double near =
+          is_car ? (beyond ? depth + 0.2 : -0.2 - across) : (beyond ? depth - 0.7 : 0.3);
+      const double x = x0 + (along_x ? at : near), y = y0 + (along_x ? near : at);
+      if (x < kGate && y < kGate) continue;
+      Fill(x, y, x + (along_x ? length : across), y + (along_x ? across : length),
+           is_car ? TownThing::kCar : TownThing::kTree);
+    }
+  }
   void Yard(double x0, double y0, double x1, double y1) {
     const double area = (x1 - x0) * (y1 - y0);
     for (int i = 0; i < static_cast<int>(area / 60); ++i) {
@@ -126,7 +153,7 @@ class Builder {
 
   const TownOptions& options_;
   Town& town_;
-  RandomNumbers random_;
+  RandomNumbers random_, street_random_;  // houses are the same whatever stands in the streets
 };
 
 }  // namespace
@@ -139,6 +166,7 @@ Town MakeTown(const TownOptions& options) {
          "blocks of 16 m and streets of 3 m at least");
   const double least = options.block_m + 2 * options.street_m;
   demand(options.width_m >= least && options.height_m >= least, "a town of one block at least");
+  demand(options.street_things >= 0, "0 or more things in the streets");
   demand(options.yards >= 0 && options.yards <= 1, "a share of yards of 0 to 1");
   demand(options.resolution > 0 && options.resolution <= 0.2, "cells of 0.2 m or less");
   const double columns = std::ceil(options.width_m / options.resolution);

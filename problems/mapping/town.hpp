@@ -11,9 +11,11 @@ namespace graticule {
 /// doors, or yards with trees and parked cars.
 struct TownOptions {
   double width_m = 100, height_m = 80;
-  double block_m = 30;       ///< from street to street
-  double street_m = 7;       ///< their width
-  double yards = 0.25;       ///< share of blocks without a house
+  double block_m = 30;  ///< from street to street
+  double street_m = 7;  ///< their width
+  double yards = 0.25;  ///< share of blocks without a house
+  /// Cars and trees along the streets, so many for each block; off the gate, where robots start.
+  int street_things = 0;
   double resolution = 0.05;  ///< m, a cell's side
   std::uint64_t seed = 1;
 };
@@ -27,6 +29,11 @@ struct Town {
   /// What each of its cells is: kOpen where it is free.  Outer walls of houses and of the town are
   /// kWall, walls between rooms kPartition.
   std::vector<TownThing> things;
+  /// The outlines of houses [m].
+  struct House {
+    double x0, y0, x1, y1;
+  };
+  std::vector<House> houses;
   /// Centres of doors [m], and which way they lead: along x or along y.
   struct Door {
     double x, y;

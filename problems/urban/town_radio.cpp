@@ -51,10 +51,10 @@ Eigen::Vector3d At(const std::vector<Stop>& stops, double time_s) {
   return Rounded(before.at_m + part * (after->at_m - before.at_m));
 }
 
-SignalLog Unmeasured(const std::vector<std::vector<Stop>>& stops, double floor_dbm,
-                     std::uint64_t seed, TeamRadios* radios) {
+SignalLog Unmeasured(const std::vector<std::vector<Stop>>& stops, std::uint64_t seed,
+                     TeamRadios* radios) {
   constexpr std::size_t kLinks = 400, kTries = 20000;
-  constexpr double kFarthest = 50;
+  constexpr double kFarthest = 30;
   SignalLog log;
   log.radios = radios->Log().radios;
   log.has_time = false;
@@ -70,7 +70,6 @@ SignalLog Unmeasured(const std::vector<std::vector<Stop>>& stops, double floor_d
     link.receiver_m = Rounded(stops[to][random.Below(stops[to].size())].at_m);
     if ((link.transmitter_m - link.receiver_m).norm() > kFarthest) continue;
     const double dbm = radios->ExpectedDbm(from, to, link.transmitter_m, link.receiver_m);
-    if (dbm < floor_dbm) continue;
     measurement.dbm = std::round(100 * dbm) / 100;
     log.measurements.push_back(measurement);
   }
@@ -116,7 +115,7 @@ TownSignal SimulateTownSignal(const SimulatedMission& mission, const RadioOption
     before = at;
   }
   return {radios.Log(), radios.BiasDb(), radios.SendingBiasDb(), radios.ListeningBiasDb(),
-          Unmeasured(stops, radio.floor_dbm, seed, &radios)};
+          Unmeasured(stops, seed, &radios)};
 }
 
 }  // namespace graticule

@@ -18,8 +18,8 @@ struct TownSignal {
   SignalLog log;
   std::vector<double> bias_db, sending_bias_db, listening_bias_db;  ///< of radios
   /// Links that were never measured, between where one robot was at one time and another at
-  /// another, up to 50 m apart: what would be heard there on average, without fading, above the
-  /// floor.  Without times.
+  /// another, up to 30 m apart: what would be heard there on average, without fading.  Without
+  /// times.
   SignalLog unmeasured;
 };
 

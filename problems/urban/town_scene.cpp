@@ -45,10 +45,13 @@ class Prisms {
  public:
   explicit Prisms(const Town& town) : town_(town), grid_(town.grid) { FindPieces(); }
 
-  std::uint32_t ThingAt(double x, double y) const {
+  /// Which tree or car is there; 0: none.
+  std::uint32_t OutdoorsAt(double x, double y) const {
     const auto column = static_cast<long>(std::floor(x / grid_.resolution));
     const auto row = static_cast<long>(std::floor(y / grid_.resolution));
-    return IsInside(column, row) && IsThing(Index(column, row)) ? piece_of_[Index(column, row)] : 0;
+    return IsInside(column, row) && town_.things[Index(column, row)] > TownThing::kFurniture
+               ? piece_of_[Index(column, row)]
+               : 0;
   }
 
   // Amanatides and Woo's traversal, with heights.
@@ -129,12 +132,21 @@ class Prisms {
     }
   }
 
+  // The number of a house; of the town's own wall, how many there are.
+  std::size_t HouseAt(long column, long row) const {
+    const double x = (static_cast<double>(column) + 0.5) * grid_.resolution;
+    const double y = (static_cast<double>(row) + 0.5) * grid_.resolution;
+    const auto is_in = [&](const Town::House& house) {
+      return x > house.x0 && x < house.x1 && y > house.y0 && y < house.y1;
+    };
+    return static_cast<std::size_t>(std::find_if(town_.houses.begin(), town_.houses.end(), is_in) -
+                                    town_.houses.begin());
+  }
+
   // Faces of walls get labels in the order in which they are first seen.
   std::uint32_t LabelOfFace(int side, long column, long row) {
-    const std::tuple<std::uint32_t, int, long> face{piece_of_[Index(column, row)], side,
-                                                    side == 0   ? column
-                                                    : side == 1 ? row
-                                                                : 0};
+    const long plane = side == 0 ? column : side == 1 ? row : 0;
+    const std::tuple<std::size_t, int, long> face{HouseAt(column, row), side, plane};
     const auto next =
         static_cast<std::uint32_t>(std::min<std::size_t>(kFirstWall + faces_.size(), kLastWall));
     return faces_.try_emplace(face, next).first->second;
@@ -159,11 +171,9 @@ class Prisms {
     Vector3d colour;
     switch (town_.things[cell]) {
       case TownThing::kWall: {
-        // A colour a house; blocks are about 30 m apart.
         constexpr double kHouses[4][3] = {
             {176, 110, 88}, {206, 196, 170}, {150, 164, 178}, {190, 160, 110}};
-        const auto house = (column / 700 + 2 * (row / 700)) % 4;
-        colour = Vector3d(kHouses[house]);
+        colour = Vector3d(kHouses[HouseAt(column, row) % 4]);
         // Windows, which no laser tells from the wall.
         const double along = side == 0 ? place.y() : place.x();
         const double in_bay = along - 3 * std::floor(along / 3);
@@ -196,10 +206,11 @@ class Prisms {
   const Town& town_;
   const OccupancyGrid& grid_;
   std::vector<std::uint32_t> piece_of_;  // 0: none
-  std::map<std::tuple<std::uint32_t, int, long>, std::uint32_t> faces_;
+  std::map<std::tuple<std::size_t, int, long>, std::uint32_t> faces_;
 };
 
-// How many things there are 3 to 12 m ahead, each seen by a few beams of a fan of half a circle.
+// How many trees and cars there are 3 to 12 m ahead, each seen by a few beams of a fan of half a
+// circle.
 std::size_t ThingsAhead(const Town& town, const Prisms& prisms, const PlanarPose& pose) {
   std::map<std::uint32_t, int> beams;
   for (int i = -45; i <= 45; ++i) {
@@ -207,7 +218,7 @@ std::size_t ThingsAhead(const Town& town, const Prisms& prisms, const PlanarPose
     const double range = CastRay(town.grid, pose.x, pose.y, angle, 12);
     if (range < 3 || range >= 12) continue;
     const double into = range + town.grid.resolution / 2;
-    ++beams[prisms.ThingAt(pose.x + into * std::cos(angle), pose.y + into * std::sin(angle))];
+    ++beams[prisms.OutdoorsAt(pose.x + into * std::cos(angle), pose.y + into * std::sin(angle))];
   }
   beams.erase(0);
   return static_cast<std::size_t>(std::count_if(

@@ -23,8 +23,8 @@ struct TownScene {
 };
 
 /// How what stands on the cells of a town is seen in three dimensions, from where the robot sees
-/// the most things within 3 to 12 m.  Same arguments, same digits.  Throws Error (kUsage): the
-/// mission has no scan of that robot.
+/// the most trees and cars within 3 to 12 m.  Same arguments, same digits.  Throws Error (kUsage):
+/// the mission has no scan of that robot.
 TownScene SimulateTownScene(const SimulatedMission& mission, std::size_t robot,
                             const CameraIntrinsics& camera, std::uint64_t seed);
 
