@@ -133,11 +133,11 @@ void AddMap(CLI::App* app, Chosen* chosen) {
       "  graticule map robot1.log robot2.log --gnss fixes.csv --record -o out/\n"
       "  graticule map out/ --method incremental naive -o again/",
       command, chosen);
-  sub->add_option(
-         "LOGS", command->logs,
-         "CARMEN logs, one a robot; or one .g2o with ROBOTLASER1 scans, and a .pgseq where "
-         "its sequence of graphs is known; each also .gz; or the folder of a recorded "
-         "mission")
+  sub->add_option("LOGS", command->logs,
+                  "CARMEN logs or ROS bags (.bag), one a robot; or one .g2o with ROBOTLASER1 "
+                  "scans, and a .pgseq where "
+                  "its sequence of graphs is known; each also .gz; or the folder of a recorded "
+                  "mission")
       ->required();
   sub->add_option("-o,--output", command->output, "the folder for map, graph, pictures and report")
       ->required();
@@ -193,6 +193,11 @@ void AddMap(CLI::App* app, Chosen* chosen) {
          "and rad; once for all logs, or for each in order")
       ->type_name("X[,Y,YAW]")
       ->allow_extra_args(false);
+  sub->add_option("--scan-topic", command->scan_topic,
+                  "of bags: sensor_msgs/LaserScan; by default /scan, or the only one");
+  sub->add_option("--odom-topic", command->odom_topic,
+                  "of bags: nav_msgs/Odometry; by default /odom, or the only one, else the "
+                  "transforms from the frame odom");
   sub->add_option("--relations", command->relations,
                   "true relations between poses at two times (Kuemmerle et al. 2009): t1 t2 x y z "
                   "roll pitch yaw");

@@ -16,6 +16,11 @@ void AddAccuracy(CLI::App* sub, double* accuracy_px, double* sigma_px) {
       ->check(CLI::PositiveNumber);
 }
 
+void AddImageTopic(CLI::App* sub, std::string* topic) {
+  sub->add_option("--image-topic", *topic,
+                  "of a ROS bag: sensor_msgs/Image or CompressedImage; by default the only one");
+}
+
 void AddEvaluate(CLI::App* calibrate, Chosen* chosen) {
   auto command = std::make_shared<CalibrateEvaluateCommand>();
   CLI::App* sub = AddCommand(
@@ -26,6 +31,7 @@ void AddEvaluate(CLI::App* calibrate, Chosen* chosen) {
   sub->add_option("CAMERA", command->camera, "a camera file, any format that is read")->required();
   sub->add_option("TEST", command->sources, "recorded detections, or images")->required();
   sub->add_option("--target", command->target, "the target's description, for images: YAML");
+  AddImageTopic(sub, &command->image_topic);
   sub->add_option("--against", command->against,
                   "another camera file: how far the two are apart, after the best rotation");
   sub->add_option("--plot", command->picture, "draw the difference over the image: .svg or .png");
@@ -68,7 +74,8 @@ void AddGuide(CLI::App* calibrate, Chosen* chosen) {
       command, chosen);
   sub->add_option("--camera", command->camera, "the number of a camera that is plugged in")
       ->check(CLI::NonNegativeNumber);
-  sub->add_option("--video", command->video, "a film instead; its steadiest frames are taken");
+  sub->add_option("--video", command->video,
+                  "a film, or a ROS bag, instead; its steadiest frames are taken");
   sub->add_option("--folder", command->folder,
                   "pictures instead, each of them taken; new ones are waited for");
   sub->add_option("--simulate", command->simulate,
@@ -92,6 +99,7 @@ void AddGuide(CLI::App* calibrate, Chosen* chosen) {
   sub->add_option("--target", command->target,
                   "the target's description, YAML; without it, AprilCal's mosaic: 8 x 6 tags of "
                   "tag36h11, 38.1 mm from one to the next");
+  AddImageTopic(sub, &command->image_topic);
   sub->add_option("--decimate", command->decimate,
                   "tags are looked for in a picture smaller by this factor; 1 finds small ones")
       ->check(CLI::Range(1., 8.))
@@ -152,6 +160,7 @@ void AddCalibrate(CLI::App* app, Chosen* chosen) {
   sub->add_option("--target", command->target,
                   "the target's description, for images: YAML, as `calibrate target` or Kalibr "
                   "writes it; without it, the target is guessed");
+  AddImageTopic(sub, &command->image_topic);
   sub->add_option("--detections", command->detections, "write the corners that were found: .json");
   sub->add_option("-o,--output", command->outputs,
                   "write the camera: FILE, or FORMAT:FILE with opencv, ros, kalibr, mrcal or "

@@ -18,6 +18,8 @@ void AddCoregister(CLI::App* app, Chosen* chosen) {
   sub->add_option("--planes", command->planes,
                   "the boards' planes as the LIDAR measured them: lines image,nx,ny,nz,offset");
   sub->add_option("-o,--output", command->output, "write the rig: .yaml");
+  sub->add_option("--against", command->against,
+                  "another rig, or the true one: how far the two are apart");
   sub->add_flag("--free", command->free_parameters,
                 "free the camera's parameters, too, one by one, where the error of points left "
                 "out falls");

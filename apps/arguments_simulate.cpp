@@ -110,6 +110,10 @@ void AddMission(CLI::App* simulate, Chosen* chosen) {
   sub->add_option("--minutes", command->minutes, "instead of the shape's")
       ->check(CLI::Range(0.1, 10000.0));
   sub->add_option("--seed", command->seed)->capture_default_str();
+  sub->add_option("--street-things", command->street_things,
+                  "cars and trees that stand along the streets, for each block")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
   sub->add_option("--pictures", command->pictures,
                   "of a calibration target by each robot's camera; 0: no cameras, and no scan of "
                   "a street")

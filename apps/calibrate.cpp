@@ -266,7 +266,8 @@ int Run(const CalibrateCommand& command, const Console& console) {
   if (!command.record.empty()) ExpectEnding(command.record, "--record", ProblemEndings());
   if (!command.report.empty()) ExpectEnding(command.report, "--report", {".html", ".json"});
   const Registry types = LoadTypes(command.reading);
-  const CalibrationInput input = LoadCalibrationInput(command.sources, command.target, console);
+  const CalibrationInput input =
+      LoadCalibrationInput(command.sources, command.target, command.image_topic, console);
   const Detections& detections = input.detections;
   Answer answer = Solve(command, types, input, console);
   for (const std::string& note : input.notes) answer.report.warnings.push_back(note);

@@ -66,7 +66,9 @@ int Run(const CalibrateEvaluateCommand& command, const Console& console) {
     ExpectEnding(command.picture, "--plot", {".svg", ".png"});
   }
   LoadTypes(command.reading);  // for the lenses
-  const Detections test = LoadCalibrationInput(command.sources, command.target, console).detections;
+  const Detections test =
+      LoadCalibrationInput(command.sources, command.target, command.image_topic, console)
+          .detections;
   const CalibrationState state = StateOf(command.camera, test);
   const ReprojectionError error = EvaluateOn(state, test);
   nlohmann::ordered_json json = {{"test", ErrorJson(error)}};

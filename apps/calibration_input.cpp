@@ -22,7 +22,8 @@ bool IsRecorded(const std::string& source) {
 }  // namespace
 
 CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
-                                      const std::string& target, const Console& console) {
+                                      const std::string& target, const std::string& image_topic,
+                                      const Console& console) {
   if (sources.empty())
     throw Error("expected recorded detections, or images to look for a target in",
                 ErrorKind::kUsage);
@@ -38,6 +39,7 @@ CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
     return input;
   }
   DetectAllOptions options;
+  options.image_topic = image_topic;
   if (!target.empty()) options.target = ReadTarget(target);
   const auto [cameras, strays] = GroupByCamera(ExpandImages(sources));
   FoundDetections found = DetectCameras(cameras, options, [&](std::size_t done, std::size_t all) {

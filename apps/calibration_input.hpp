@@ -19,10 +19,11 @@ struct CalibrationInput {
 };
 
 /// The corners that a command's words lead to: recorded detections (.json, .vnl, .orpc), or images
-/// (files, folders, patterns, a video) in which the target of that description is looked for, or,
-/// with none, whatever target they show.  Throws Error.
+/// (files, folders, patterns, a video, the topic of a ROS bag) in which the target of that
+/// description is looked for, or, with none, whatever target they show.  Throws Error.
 CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
-                                      const std::string& target, const Console& console);
+                                      const std::string& target, const std::string& image_topic,
+                                      const Console& console);
 
 /// "cam0 (640 x 480): 13 views, 702 corners".
 std::string Described(const Detections& detections);

@@ -78,6 +78,7 @@ struct MapCommand {
   std::vector<std::string> laser_offsets;  ///< "x" or "x,y,yaw", one for all logs or one a log
   std::string gnss;                        ///< "" or a file, or "log"
   std::string antenna;                     ///< "" or "x,y"
+  std::string scan_topic, odom_topic;      ///< of bags; "": the usual one
 };
 
 struct CalibrateCommand {
@@ -86,9 +87,10 @@ struct CalibrateCommand {
   std::vector<std::string> outputs;  ///< "camera.yaml", "ros:camera_info.yaml"
   std::string model = "auto", board = "auto";
   double accuracy_px = 1, sigma_px = 0;
-  double range_m = 0;      ///< at which the error is expected; 0: at infinity
-  std::string target;      ///< "" or its description's file
-  std::string detections;  ///< "" or where the corners are written
+  double range_m = 0;       ///< at which the error is expected; 0: at infinity
+  std::string image_topic;  ///< of a bag; "": the only one
+  std::string target;       ///< "" or its description's file
+  std::string detections;   ///< "" or where the corners are written
   std::string record, report, pictures;
   bool json = false;
 };
@@ -96,6 +98,7 @@ struct CalibrateCommand {
 struct CalibrateEvaluateCommand {
   std::string camera;                ///< a camera file
   std::vector<std::string> sources;  ///< what it is tested on
+  std::string image_topic;           ///< of a bag; "": the only one
   std::string target;                ///< "" or its description's file
   std::string against;               ///< "" or another camera file
   std::string picture;               ///< of the difference: .svg or .png
@@ -112,6 +115,7 @@ struct CalibrateGuideCommand {
   double blur_px = 0.5, noise = 2;  ///< of rendered images
   std::uint64_t seed = 1;
   int width = 0, height = 0;  ///< asked of a camera; 0: its own
+  std::string image_topic;    ///< of a bag; "": the only one
   std::string target;         ///< "" or its description's file
   double decimate = 2;
   double take_every_s = -1;  ///< 0: only what matches; -1: as suits the source
@@ -164,6 +168,7 @@ struct CoregisterCommand {
   std::string detections, planes;  ///< both or neither
   Reading reading;
   std::string output, record, picture, error_map;
+  std::string against;  ///< "" or another rig
   bool free_parameters = false;
   double sigma_px = 0;  ///< 0: as the residuals say
   double sigma_m = 0.02;
@@ -214,6 +219,7 @@ struct SimulateMissionCommand {
   double minutes = 0;  ///< 0: as long as the shape
   std::uint64_t seed = 1;
   bool record = false;
+  int street_things = 10;   ///< cars and trees, for each block
   int pictures = 16;        ///< of the target by each camera; 0: no cameras, and no scene
   double rate_hz = 2;       ///< packets of each radio; 0: no radios
   double gnss_sigma_m = 0;  ///< 0: no fixes

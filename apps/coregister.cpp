@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.hpp"
 #include "graticule/io/calibration_pictures.hpp"
@@ -74,7 +75,20 @@ struct Answer {
   CoregisterOptions options;
   std::vector<ExtrinsicError> errors;
   NextCorrespondence next;
+  /// How far the camera is from where another rig has it.
+  struct Apart {
+    double metres, degrees;
+  };
+  std::optional<Apart> apart;
 };
+
+// Where the camera is on the LIDAR, by either.
+Answer::Apart ApartOf(const Se3Array& camera_from_lidar, const Se3Array& other) {
+  const Eigen::Isometry3d one = IsometryOf(camera_from_lidar).inverse();
+  const Eigen::Isometry3d two = IsometryOf(other).inverse();
+  return {(one.translation() - two.translation()).norm(),
+          Eigen::AngleAxisd(one.linear().transpose() * two.linear()).angle() / kDegree};
+}
 
 std::string NameOf(const CoregisterData& data, std::size_t i) {
   return i < data.points.size() ? data.points[i].name : data.boards[i - data.points.size()].name;
@@ -119,6 +133,8 @@ nlohmann::ordered_json JsonOf(const CoregisterData& data, const Answer& answer) 
                   {"range_m", answer.next.range_m},
                   {"max_px_before", answer.next.max_px_before},
                   {"max_px", answer.next.max_px}};
+  if (answer.apart)
+    json["apart"] = {{"m", answer.apart->metres}, {"degrees", answer.apart->degrees}};
   return json;
 }
 
@@ -161,6 +177,9 @@ void Print(const CoregisterCommand& command, const CoregisterData& data, const A
       "  next                a point near ({:.0f}, {:.0f}) at {:.1f} m: {:.2f} -> {:.2f} px\n",
       answer.next.pixel.x, answer.next.pixel.y, answer.next.range_m, answer.next.max_px_before,
       answer.next.max_px);
+  if (answer.apart)
+    fmt::print("  apart               {:.1f} mm and {:.3f} degrees from {}\n",
+               1e3 * answer.apart->metres, answer.apart->degrees, command.against);
 }
 
 void WritePicture(const std::string& path, const std::string& svg) {
@@ -236,6 +255,9 @@ int Run(const CoregisterCommand& command, const Console&) {
   const CameraIntrinsics intrinsics = ReadCamera(command.camera);
   const Camera camera = About(command.camera, [&] { return Camera(intrinsics); });
 
+  std::optional<Se3Array> other;
+  if (!command.against.empty()) other = ReadRig(command.against).camera_from_lidar;
+
   Answer answer;
   answer.options.sigma_m = command.sigma_m;
   answer.options.outlier_share = command.outlier_share;
@@ -265,6 +287,8 @@ int Run(const CoregisterCommand& command, const Console&) {
   answer.errors = ExpectedErrors(solved_camera, answer.solved.state.camera_from_lidar,
                                  answer.solved.covariance, ranges);
   answer.next = SuggestCorrespondence(solved_camera, answer.solved, answer.options, ranges);
+
+  if (other) answer.apart = ApartOf(answer.solved.state.camera_from_lidar, *other);
 
   if (!command.output.empty()) WriteRigOf(command, answer);
   if (!command.record.empty()) Record(command, types, data, answer);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <set>
 #include <thread>
 
@@ -218,6 +219,9 @@ std::unique_ptr<GuideSource> OpenSource(const CalibrateGuideCommand& command, co
     throw Error("calibrate guide: expected one of --camera, --video, --folder and --simulate",
                 ErrorKind::kUsage);
   if (!command.simulate.empty()) return std::make_unique<SimulatedSource>(command, target, is_live);
+  if (std::filesystem::path(command.video).extension() == ".bag")
+    return std::make_unique<FilmSource>(FrameReader::OfBag(command.video, command.image_topic),
+                                        command.video, false, is_live);
   if (!command.video.empty())
     return std::make_unique<FilmSource>(FrameReader::OfVideo(command.video), command.video, false,
                                         is_live);

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "graticule/io/bag_laser.hpp"
 #include "graticule/io/carmen.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/readable.hpp"
@@ -66,24 +67,53 @@ std::string Words(const PlanarPose& offset) {
                      offset.yaw * 180 / M_PI);
 }
 
+void SayOffset(const std::string& robot, const PlanarPose& given,
+               const std::optional<PlanarPose>& logged, MapReport* report) {
+  report->facts.emplace_back(
+      "laser",
+      fmt::format("{} at {} (ahead, left, turned), by --laser-offset; {}", robot, Words(given),
+                  logged ? "its log says " + Words(*logged) + ", which is overridden"
+                         : "its log does not say"));
+}
+
+void ReadBag(const MapCommand& command, std::size_t number, MapReport* report, LaserLog* log) {
+  const std::string& file = command.logs[number];
+  BagLaserOptions options;
+  options.scan_topic = command.scan_topic;
+  options.odometry_topic = command.odom_topic;
+  options.laser_offset = LaserOffsetOf(command, number);
+  const BagLaserSummary summary = ReadBagLaser(file, options, log);
+  report->facts.emplace_back(
+      "bag", fmt::format("{}: {} scans of {}, odometry of {}", log->robots.back(),
+                         ReadableCount(summary.scans), summary.scan_topic, summary.odometry));
+  if (options.laser_offset)
+    SayOffset(log->robots.back(), *options.laser_offset, summary.told_laser_offset, report);
+  else if (!summary.told_laser_offset)
+    report->warnings.push_back(
+        file +
+        ": its transforms do not say where the laser is: taken to be at the robot's centre "
+        "(--laser-offset)");
+  if (summary.without_odometry > 0)
+    report->warnings.push_back(fmt::format("{}: {} scans have no odometry, and are left out", file,
+                                           summary.without_odometry));
+}
+
 // A log a robot.  What was passed over, and what was not believed, is said.
 LaserLog ReadLogs(const MapCommand& command, MapReport* report, std::vector<GnssFix>* fixes) {
   LaserLog log;
   for (std::size_t i = 0; i < command.logs.size(); ++i) {
     const std::string& file = command.logs[i];
+    if (Ending(file) == ".bag") {
+      ReadBag(command, i, report, &log);
+      continue;
+    }
     CarmenOptions options;
     options.skip_bad = command.skip_bad;
     options.read_fixes = command.gnss == "log";
     options.laser_offset = LaserOffsetOf(command, i);
     CarmenSummary summary = ParseCarmen(ReadFile(file), file, options, &log);
     if (options.laser_offset)
-      report->facts.emplace_back(
-          "laser", fmt::format("{} at {} (ahead, left, turned), by --laser-offset; {}",
-                               log.robots.back(), Words(*options.laser_offset),
-                               summary.logged_laser_offset
-                                   ? "its log says " + Words(*summary.logged_laser_offset) +
-                                         ", which is overridden"
-                                   : "its log does not say"));
+      SayOffset(log.robots.back(), *options.laser_offset, summary.logged_laser_offset, report);
     if (summary.skipped > 0)
       report->warnings.push_back(fmt::format("{}: {} lines were passed over, the first: {}", file,
                                              summary.skipped, summary.first_skipped));

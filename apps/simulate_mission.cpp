@@ -29,7 +29,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kFixEveryS = 5;
-constexpr int kStreetThings = 10;  // a block
 
 void Record(const Mission& mission, const std::string& title, const std::string& made_by,
             const OutputFolder& folder, const Console& console) {
@@ -116,12 +115,12 @@ Json WriteScene(const SimulatedMission& simulated, const SimulateMissionCommand&
 
 int Run(const SimulateMissionCommand& command, const Console& console) {
   MissionOptions options;
-  options.town.street_things = kStreetThings;
   if (command.shape == "keswick-like") options = KeswickLike();
   if (command.shape == "phase2-like") options = Phase2Like();
   if (command.robots > 0) options.robots = command.robots;
   if (command.minutes > 0) options.duration_s = 60 * command.minutes;
   options.seed = options.town.seed = command.seed;
+  options.town.street_things = command.street_things;
   const OutputFolder folder = OutputFolder::New(command.output);
   const OutputFolder truth(folder.Of("truth"));
   const SimulatedMission simulated = SimulateMission(Builtins(), options);

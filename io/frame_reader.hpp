@@ -17,6 +17,9 @@ class FrameReader {
   /// Throws Error (kInput): no video.
   static FrameReader OfVideo(const std::string& path);
 
+  /// The images of a ROS bag: see BagImages.
+  static FrameReader OfBag(const std::string& path, const std::string& topic);
+
   FrameReader(FrameReader&&) noexcept;
   ~FrameReader();
 
@@ -26,9 +29,11 @@ class FrameReader {
   double Rate() const;
 
  private:
+  class Source;
   class Capture;
-  explicit FrameReader(std::unique_ptr<Capture> capture);
-  std::unique_ptr<Capture> capture_;
+  class Bag;
+  explicit FrameReader(std::unique_ptr<Source> source);
+  std::unique_ptr<Source> source_;
 };
 
 }  // namespace graticule

@@ -9,6 +9,7 @@
 #include <opencv2/videoio.hpp>
 #include <thread>
 
+#include "graticule/io/bag_images.hpp"
 #include "graticule/io/photo.hpp"
 #include "graticule/problems/calibration/guess_target.hpp"
 #include "graticule/problems/parallel_for.hpp"
@@ -28,9 +29,11 @@ std::string Text(const Size& size) {
 /// Where images come from: files, or a video's frames.
 class Source {
  public:
-  Source(const std::vector<std::string>& images, std::size_t video_frames) : names_(images) {
+  Source(const std::vector<std::string>& images, const DetectAllOptions& options) : names_(images) {
     if (images.size() != 1 || !IsVideoName(images[0])) return;
-    frames_ = ReadVideoFrames(images[0], video_frames);
+    frames_ = fs::path(images[0]).extension() == ".bag"
+                  ? ReadBagFrames(images[0], options.image_topic, options.video_frames)
+                  : ReadVideoFrames(images[0], options.video_frames);
     names_.clear();
     for (std::size_t i = 0; i < frames_.size(); ++i)
       names_.push_back(images[0] + "#" + std::to_string(i));
@@ -77,6 +80,21 @@ struct Found {
 
 }  // namespace
 
+std::vector<GreyImage> ReadBagFrames(const std::string& path, const std::string& topic,
+                                     std::size_t most) {
+  BagImages images(path, topic);
+  const std::size_t step =
+      std::max<std::size_t>(1, images.Count() / std::max<std::size_t>(most, 1));
+  std::vector<GreyImage> frames;
+  for (std::size_t i = 0; i < images.Count() && frames.size() < most; ++i) {
+    if (i % step != 0)
+      images.Skip();
+    else if (auto image = images.Next())
+      frames.push_back(std::move(*image));
+  }
+  return frames;
+}
+
 std::vector<GreyImage> ReadVideoFrames(const std::string& path, std::size_t most) {
   if (!fs::exists(path)) throw Error(path + ": No such file or directory");
   constexpr double kUnknownStep = 10;  // where the file does not say how many frames it has
@@ -117,7 +135,7 @@ std::vector<GreyImage> ReadVideoFrames(const std::string& path, std::size_t most
 FoundDetections DetectAll(const std::vector<std::string>& images, const DetectAllOptions& options,
                           const DetectProgress& progress) {
   if (images.empty()) throw Error("expected images", ErrorKind::kUsage);
-  const Source source(images, options.video_frames);
+  const Source source(images, options);
   FoundDetections result;
   result.is_guessed = !options.target;
   result.target = options.target ? *options.target : Guess(source);
@@ -188,7 +206,7 @@ FoundDetections DetectCameras(const std::vector<CameraImages>& cameras,
     all.insert(all.end(), camera.images.begin(), camera.images.end());
   FoundDetections result;
   result.is_guessed = !options.target;
-  if (result.is_guessed) own.target = Guess(Source(all, options.video_frames));
+  if (result.is_guessed) own.target = Guess(Source(all, options));
   result.target = *own.target;
 
   std::vector<Detections> parts;

@@ -16,7 +16,8 @@ struct DetectAllOptions {
   DetectOptions detect;
   std::string camera = "cam0";
   std::size_t threads = 0;         ///< 0: as many as there are cores
-  std::size_t video_frames = 150;  ///< at most so many of a video, evenly spaced
+  std::size_t video_frames = 150;  ///< at most so many of a video or a bag, evenly spaced
+  std::string image_topic;         ///< of a ROS bag; "": the only one
 };
 
 /// An image without corners, and why.
@@ -58,9 +59,12 @@ struct ImagesByCamera {
 /// that.
 ImagesByCamera GroupByCamera(const std::vector<std::string>& images);
 
-/// Whether a name ends as videos' do.
+/// Whether a name ends as videos' do, or as ROS bags (.bag).
 bool IsVideoName(const std::string& path);
 
+/// Images of a ROS bag's topic, evenly spaced, at most so many.  Throws Error as BagImages does.
+std::vector<GreyImage> ReadBagFrames(const std::string& path, const std::string& topic,
+                                     std::size_t most);
 /// Frames of a video, evenly spaced, at most so many.  Throws Error: no video.
 std::vector<GreyImage> ReadVideoFrames(const std::string& path, std::size_t most);
 

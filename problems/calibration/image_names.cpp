@@ -178,7 +178,7 @@ std::vector<std::string> ExpandImages(const std::vector<std::string>& words) {
 bool IsVideoName(const std::string& path) {
   std::string ending = fs::path(path).extension().string();
   for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  for (const char* known : {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg"})
+  for (const char* known : {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg", ".bag"})
     if (ending == known) return true;
   return false;
 }

@@ -18,9 +18,9 @@ class RecordTest : public CommandTest {
  protected:
   void SetUp() override {
     CommandTest::SetUp();
-    const Outcome outcome =
-        RunCommand({"simulate-mission", "--robots", "2", "--minutes", "2", "--gnss", "0.5",
-                    "--bad-fixes", "1", "--record", "-o", Path("sim"), "--quiet"});
+    const Outcome outcome = RunCommand({"simulate", "mission", "--robots", "2", "--minutes", "2",
+                                        "--gnss", "0.5", "--bad-fixes", "1", "--record",
+                                        "--pictures", "0", "-o", Path("sim"), "--quiet"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
 
@@ -97,7 +97,7 @@ TEST_F(RecordTest, LiesWhereTheFixesSay) {
   for (const char* robot : {"robot1", "robot2"}) {
     std::map<double, std::pair<double, double>> truth;
     double time, x, y, rest;
-    std::ifstream true_file(Of("sim/truth.") + robot + ".tum");
+    std::ifstream true_file(Of("sim/truth/poses.") + robot + ".tum");
     while (true_file >> time >> x >> y >> rest >> rest >> rest >> rest >> rest)
       truth[time] = {x, y};
     std::ifstream file(Of("map/") + robot + ".tum");

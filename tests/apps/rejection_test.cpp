@@ -137,9 +137,9 @@ TEST_F(Reject, WordsThatMakeNoSenseAreUsageErrors) {
   refused({"solve", city, "--drop-rejected"}, "--drop-rejected needs --reject-outliers");
   refused({"solve", city, "--set", "reject_outliers=gnc_tls", "--set", "inlier_quantile=1.5"},
           "inlier_quantile");
-  refused({"simulate", "corrupt", "-o", Path("bad.g2o")}, "needs the problem");
+  refused({"simulate", "corrupt", "-o", Path("bad.g2o")}, "IN is required");
   refused({"simulate", "corrupt", square, "-o", Path("bad.g2o")}, "--outlier-fraction");
-  refused({"simulate", "city", square, "-o", Path("bad.g2o")}, "reads no problem");
+  refused({"simulate", "city", square, "-o", Path("bad.g2o")}, square);
   refused({"simulate", "corrupt", square, "-o", Path("bad.g2o"), "--outlier-fraction", "0.3",
            "--truth", Path("t.tum")},
           "--truth");

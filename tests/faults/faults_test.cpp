@@ -43,10 +43,10 @@ class Inputs {
     std::ofstream(folder_ + "/team.csv") << "robot1,2,2\nrobot2,8,3\n";
     for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
              {"simulate", "city", "--robots", "2", "--poses", "40", "-o", "IN/city.fg"},
-             {"simulate-mission", "--minutes", "0.5", "--robots", "2", "-o", "IN/mission"},
+             {"simulate", "mission", "--minutes", "0.5", "--robots", "2", "-o", "IN/mission"},
              {"signal", "simulate", "room", "--seconds", "20", "--rate", "2", "-o", "IN/room"},
              {"signal", "fit", "IN/room", "--method", "mrt", "-o", "IN/model.fg"},
-             {"simulate-scene", "hallway", "-o", "IN/hallway"},
+             {"simulate", "scene", "hallway", "-o", "IN/hallway"},
              {"calibrate", "guide", "--headless", "--simulate", "corners", "-o", "IN/camera.yaml",
               "--detections", "IN/corners.json"}}) {
       const Outcome outcome = RunCommand(Replaced(words, folder_, ""));
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
                  {"simulate", "corrupt", "IN/city.fg", "--outlier-fraction", "0.2", "-o",
                   "OUT/a.g2o", "--outliers", "OUT/ids.json"}},
         Scenario{"simulate_mission",
-                 {"simulate-mission", "--minutes", "0.2", "--robots", "2", "--record", "--gnss",
+                 {"simulate", "mission", "--minutes", "0.2", "--robots", "2", "--record", "--gnss",
                   "1", "-o", "OUT/m"},
                  4},
         Scenario{"map",
@@ -188,7 +188,7 @@ INSTANTIATE_TEST_SUITE_P(
                   "OUT/tuned.yaml"},
                  6,
                  4},
-        Scenario{"simulate_scene", {"simulate-scene", "hallway", "-o", "OUT/scene"}, 4},
+        Scenario{"simulate_scene", {"simulate", "scene", "hallway", "-o", "OUT/scene"}, 4},
         Scenario{"segment",
                  {"segment", "IN/hallway/scan.pcd", "--image", "IN/hallway/image.png", "--rig",
                   "IN/hallway/rig.yaml", "-o", "OUT/l.ply", "--picture", "OUT/l.png",

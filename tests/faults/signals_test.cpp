@@ -67,10 +67,10 @@ TEST_F(Signals, ToASolve) {
 }
 
 TEST_F(Signals, ToAMap) {
-  ASSERT_EQ(
-      RunCommand({"simulate-mission", "--minutes", "1.5", "--robots", "2", "-o", Path("mission")})
-          .exit_code,
-      0);
+  ASSERT_EQ(RunCommand(
+                {"simulate", "mission", "--minutes", "1.5", "--robots", "2", "-o", Path("mission")})
+                .exit_code,
+            0);
   const std::vector<std::string> words = {"map",
                                           Path("mission/robot1.log"),
                                           Path("mission/robot2.log"),

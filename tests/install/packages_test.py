@@ -159,7 +159,7 @@ def check_runs(debs, depends):
     run(graticule, "solve", problem, "--config", "robust-huber", "--plot", os.path.join(WORK, "c.png"),
         env=environment)
     scene = os.path.join(WORK, "scene")
-    run(graticule, "simulate-scene", "hallway", "-o", scene, env=environment)  # by graticule-vision
+    run(graticule, "simulate", "scene", "hallway", "-o", scene, env=environment)  # by graticule-vision
     expect("the scene was not written", os.path.exists(os.path.join(scene, "scan.pcd")))
 
 
