@@ -46,7 +46,11 @@ configure() {
   local directory=$1 generator=()
   shift
   if [ ! -f "$directory/CMakeCache.txt" ] && command -v ninja >/dev/null; then generator=(-G Ninja); fi
-  if command -v ccache >/dev/null; then set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+  if command -v ccache >/dev/null; then
+    # What was compiled in another folder is found again in this one.
+    export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+    set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
+  fi
   say "Configuring $directory"
   cmake -S . -B "$directory" "${generator[@]}" "$@" >"$directory.configure.log" 2>&1 ||
     { cat "$directory.configure.log" >&2; die "Configuring $directory failed"; }
