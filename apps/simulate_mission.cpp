@@ -65,7 +65,7 @@ Json WriteSignal(const SimulatedMission& simulated, const SimulateMissionCommand
   WriteSignalLog(signal.log, truth.Of("signal.csv"));
   WriteSignalLog(signal.unmeasured, truth.Of("links.csv"));
   Json json = {{"l0_dbm", radio.l0_dbm},
-               {"exponent", radio.exponent},
+               {"exponent", FloorPlan::kStreetExponent},
                {"wall_ceiling_db", radio.ceiling_db},
                {"shadowing_db", radio.shadowing_db},
                {"floor_dbm", radio.floor_dbm}};

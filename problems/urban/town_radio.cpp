@@ -80,6 +80,7 @@ SignalLog Unmeasured(const std::vector<std::vector<Stop>>& stops, std::uint64_t 
 
 FloorPlan FloorPlanOf(const Town& town) {
   FloorPlan plan;
+  plan.exponent = FloorPlan::kStreetExponent;
   plan.resolution = town.grid.resolution;
   plan.width = town.grid.width;
   plan.height = town.grid.height;

@@ -18,9 +18,9 @@ class RecordTest : public CommandTest {
  protected:
   void SetUp() override {
     CommandTest::SetUp();
-    const Outcome outcome = RunCommand({"simulate", "mission", "--robots", "2", "--minutes", "2",
-                                        "--gnss", "0.5", "--bad-fixes", "1", "--record",
-                                        "--pictures", "0", "-o", Path("sim"), "--quiet"});
+    const Outcome outcome = RunCommand(
+        {"simulate", "mission", "--robots", "2", "--minutes", "2", "--gnss", "0.5", "--bad-fixes",
+         "1", "--record", "--pictures", "0", "--street-things", "0", "-o", Path("sim"), "--quiet"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
 

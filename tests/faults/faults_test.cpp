@@ -43,7 +43,8 @@ class Inputs {
     std::ofstream(folder_ + "/team.csv") << "robot1,2,2\nrobot2,8,3\n";
     for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
              {"simulate", "city", "--robots", "2", "--poses", "40", "-o", "IN/city.fg"},
-             {"simulate", "mission", "--minutes", "0.5", "--robots", "2", "-o", "IN/mission"},
+             {"simulate", "mission", "--minutes", "0.5", "--robots", "2", "--pictures", "0", "-o",
+              "IN/mission"},
              {"signal", "simulate", "room", "--seconds", "20", "--rate", "2", "-o", "IN/room"},
              {"signal", "fit", "IN/room", "--method", "mrt", "-o", "IN/model.fg"},
              {"simulate", "scene", "hallway", "-o", "IN/hallway"},
@@ -162,8 +163,8 @@ INSTANTIATE_TEST_SUITE_P(
                  {"simulate", "corrupt", "IN/city.fg", "--outlier-fraction", "0.2", "-o",
                   "OUT/a.g2o", "--outliers", "OUT/ids.json"}},
         Scenario{"simulate_mission",
-                 {"simulate", "mission", "--minutes", "0.2", "--robots", "2", "--record", "--gnss",
-                  "1", "-o", "OUT/m"},
+                 {"simulate", "mission", "--minutes", "0.2", "--robots", "2", "--pictures", "0",
+                  "--record", "--gnss", "1", "-o", "OUT/m"},
                  4},
         Scenario{"map",
                  {"map", "IN/mission/robot1.log", "IN/mission/robot2.log", "--start", "0,0,0",

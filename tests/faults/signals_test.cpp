@@ -67,8 +67,8 @@ TEST_F(Signals, ToASolve) {
 }
 
 TEST_F(Signals, ToAMap) {
-  ASSERT_EQ(RunCommand(
-                {"simulate", "mission", "--minutes", "1.5", "--robots", "2", "-o", Path("mission")})
+  ASSERT_EQ(RunCommand({"simulate", "mission", "--minutes", "1.5", "--robots", "2", "--pictures",
+                        "0", "-o", Path("mission")})
                 .exit_code,
             0);
   const std::vector<std::string> words = {"map",
