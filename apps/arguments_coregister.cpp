@@ -23,9 +23,10 @@ void AddCoregister(CLI::App* app, Chosen* chosen) {
   sub->add_flag("--free", command->free_parameters,
                 "free the camera's parameters, too, one by one, where the error of points left "
                 "out falls");
-  sub->add_option("--outlier-share", command->outlier_share,
-                  "a correspondence is called wrong where fewer than this share of right ones were "
-                  "as far off; 0.01 finds more, and then the 95 % region holds 92 %")
+  sub->add_option(
+         "--outlier-share", command->outlier_share,
+         "of the correspondences that are called wrong, this share may be right; 0.1 finds "
+         "more that are a little wrong")
       ->check(CLI::Range(1e-9, 0.2))
       ->capture_default_str();
   sub->add_option("--sigma", command->sigma_px,

@@ -172,7 +172,7 @@ struct CoregisterCommand {
   bool free_parameters = false;
   double sigma_px = 0;  ///< 0: as the residuals say
   double sigma_m = 0.02;
-  double outlier_share = 0.001;
+  double outlier_share = 0.01;
   std::vector<double> ranges_m;  ///< empty: those of the points
   bool json = false;
 };

@@ -14,7 +14,8 @@
 namespace graticule {
 namespace {
 
-constexpr double kChartWidth = 560, kChartHeight = 250;
+// A chart is higher than it says by its title, and a legend of one row.
+constexpr double kChartWidth = 560, kChartHeight = 250, kChartPitch = kChartHeight + 40;
 
 struct Score {
   const char *name, *hint;
@@ -141,10 +142,10 @@ std::vector<const SegmentSweepRow*> BestOfEachMethod(const SegmentSweepReport& r
 
 std::string SegmentSweepSvg(const SegmentSweepReport& report) {
   Svg svg(kChartWidth * static_cast<double>(report.parameters.size()),
-          kChartHeight * static_cast<double>(kScores.size()), "scores of segmentation");
+          kChartPitch * static_cast<double>(kScores.size()), "scores of segmentation");
   for (std::size_t p = 0; p < report.parameters.size(); ++p)
     for (std::size_t s = 0; s < kScores.size(); ++s)
-      svg.Nest(kChartWidth * static_cast<double>(p), kChartHeight * static_cast<double>(s),
+      svg.Nest(kChartWidth * static_cast<double>(p), kChartPitch * static_cast<double>(s),
                ChartOf(report, p, kScores[s]));
   return svg.Finish();
 }

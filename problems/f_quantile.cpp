@@ -34,6 +34,10 @@ double BetaShare(double x, double a, double b) {
 
 }  // namespace
 
+double FExceeded(double x, double above, double below) {
+  return BetaShare(below / (below + above * x), below / 2, above / 2);
+}
+
 double FQuantile(double p, double above, double below) {
   double low = 0, high = 1;  // of the beta variable above x / (above x + below)
   for (;;) {

@@ -6,4 +6,7 @@ namespace graticule {
 /// of two mean squares with these degrees of freedom, both above 0.
 double FQuantile(double p, double degrees_above, double degrees_below);
 
+/// The share of it that lies above x.
+double FExceeded(double x, double degrees_above, double degrees_below);
+
 }  // namespace graticule

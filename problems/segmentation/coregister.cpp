@@ -10,6 +10,7 @@
 #include "graticule/problems/calibration/state.hpp"
 #include "graticule/problems/chi_square.hpp"
 #include "graticule/problems/f_quantile.hpp"
+#include "graticule/problems/segmentation/coregister_outliers.hpp"
 #include "graticule/problems/segmentation/coregister_start.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/marginals.hpp"
@@ -24,6 +25,10 @@ const Key kExtrinsics("camera_from_lidar", 0);
 // Cauchy's loss is as wide as the noise: 95 % of least squares' efficiency at 2.385 of it in one
 // dimension, and outliers of a few deviations are still let go.
 constexpr double kCauchyScale = 2.385;
+
+// Of right ones that least squares begins without.
+constexpr double kFirstShare = 0.01;
+constexpr int kMostRounds = 20;
 
 // Standard deviations of a parameter that is taken from the camera's file, against the data's.
 constexpr double kHeld = 1e-9;
@@ -41,44 +46,14 @@ int CountFree(const CoregisterOptions& options) {
                                         [](std::uint8_t is_free) { return is_free != 0; }));
 }
 
-// Covariance [px^2] of where a point is seen, the LIDAR's error included, at scale one.
-Eigen::Matrix2d PixelCovariance(const CoregisterState& state, const Correspondence& point,
-                                const CoregisterOptions& options) {
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity() * (options.sigma_px * options.sigma_px);
-  const Eigen::Vector3d in_camera =
-      IsometryOf(state.camera_from_lidar) * Eigen::Vector3d(point.in_lidar.data());
-  Eigen::Vector2d pixel;
-  Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
-  if (CameraModelOf(state.camera.model)
-          .project(state.camera.parameters.data(), in_camera.data(), pixel.data(), by_point.data(),
-                   nullptr))
-    covariance += options.sigma_m * options.sigma_m * by_point * by_point.transpose();
-  return covariance;
-}
-
 std::vector<double> UpperTriangle(const Eigen::Matrix2d& m) { return {m(0, 0), m(0, 1), m(1, 1)}; }
 
 // r' W r of every point and board at scale one; infinite where the camera has no image.
 std::vector<double> SquaredDistances(const CoregisterData& data, const CoregisterState& state,
                                      const CoregisterOptions& options) {
   std::vector<double> squares;
-  const std::vector<Eigen::Vector2d> residuals = PointResiduals(state, data.points);
-  for (std::size_t i = 0; i < data.points.size(); ++i) {
-    const Eigen::Vector2d& r = residuals[i];
-    const double square = r.dot(PixelCovariance(state, data.points[i], options).inverse() * r);
-    squares.push_back(std::isfinite(square) ? square : HUGE_VAL);
-  }
-  const Eigen::Isometry3d camera_from_lidar = IsometryOf(state.camera_from_lidar);
-  for (const BoardSighting& board : data.boards) {
-    const Eigen::Isometry3d camera_from_board = IsometryOf(board.camera_from_board);
-    const Eigen::Vector3d normal = camera_from_lidar.linear() * board.normal_in_lidar;
-    const double tilt = (camera_from_board.linear().leftCols<2>().transpose() * normal).norm();
-    const double off =
-        normal.dot(camera_from_board.translation() - camera_from_lidar.translation()) -
-        board.offset_m;
-    squares.push_back(std::pow(tilt / options.sigma_tilt_rad, 2) +
-                      std::pow(off / options.sigma_m, 2));
-  }
+  for (const CoregisterStatement& statement : StatementsOf(data, state, options))
+    squares.push_back(statement.squared);
   return squares;
 }
 
@@ -100,23 +75,6 @@ double ScaleOf(std::vector<double> squares, double rows, int freedoms) {
   const double expected = std::sqrt(-2 * std::log(1 - share));
   const double few = 1 + 5 / std::max(1.0, rows - freedoms);
   return std::isfinite(*at) ? std::max(1e-6, few * std::sqrt(*at) / expected) : 1e6;
-}
-
-// Least squares over what is within a gate (squared distances up to `points` and `boards` where the
-// standard deviation is one) leave this share of the variance of right data: E[x | x <= gate] /
-// E[x] of chi-square's x, which is F_(k+2)(gate) / F_k(gate).  It corrects the variance of the
-// estimate, too, whose gate moves with it.
-double KeptVariance(double points, double boards, const CoregisterData& data,
-                    const CoregisterUse& use) {
-  double kept = 0, rows = 0;
-  for (std::size_t i = 0; i < use.size(); ++i) {
-    if (!use[i]) continue;
-    const bool is_point = i < data.points.size();
-    const double k = is_point ? 2 : 3, gate = is_point ? points : boards;
-    kept += k * ChiSquareShare(gate, k + 2) / ChiSquareShare(gate, k);
-    rows += k;
-  }
-  return rows > 0 ? kept / rows : 1;
 }
 
 struct Fit {
@@ -257,44 +215,40 @@ Coregistration RefineCoregistration(const Registry& types, const CoregisterData&
                 .state;
   }
 
-  const double gate_points = ChiSquareQuantile(1 - options.outlier_share, 2);
-  const double gate_boards = ChiSquareQuantile(1 - options.outlier_share, 3);
-  // By the robust scale, for one of least squares over all grows with what is wrong; but not by
-  // less than least squares over what it lets in: that of few data is small by chance.
-  double gate_scale = scale;
-  const auto kept_variance = [&](double now) {
-    const double widened = std::max(1.0, std::pow(gate_scale / now, 2));
-    return KeptVariance(widened * gate_points, widened * gate_boards, data, result.use);
-  };
-  CoregisterUse before;
-  for (int round = 0; round < 20; ++round) {
-    const std::vector<double> squares = SquaredDistances(data, state, options);
-    CoregisterUse use(count, 0);
+  // What is not far off by the robust scale begins; then each datum is held against what the others
+  // say, until they stay the same.
+  double share = kFirstShare, kept = 1;
+  CoregisterUse use = visible(), before;
+  {
+    const std::vector<CoregisterStatement> statements = StatementsOf(data, state, options);
     for (std::size_t i = 0; i < count; ++i)
-      use[i] = squares[i] <=
-               gate_scale * gate_scale * (i < data.points.size() ? gate_points : gate_boards);
-    if (RowsOf(data, use) <= result.freedoms) {
-      // Too few are left to say more than the robust fit does.
-      use = visible();
-    }
+      use[i] = statements[i].squared <=
+               scale * scale * ChiSquareQuantile(1 - share, statements[i].is_board ? 3 : 2);
+  }
+  for (int round = 0; round < kMostRounds; ++round) {
+    // Too few are left to say more than the robust fit does.
+    if (RowsOf(data, use) <= result.freedoms) use = visible();
     if (use == before) break;
     before = use;
     Fit fit = SolveOnce(types, data, state, use, options, scale, {});
     state = fit.state;
     result.report = std::move(fit.report);
     result.use = use;
+    const std::vector<CoregisterStatement> statements = StatementsOf(data, state, options);
+    kept = KeptVariance(statements, use, share);
     const double left = RowsOf(data, use) - result.freedoms;
     if (!options.sigmas_are_known && left > 0) {
       double sum = 0;
-      const std::vector<double> now = SquaredDistances(data, state, options);
       for (std::size_t i = 0; i < count; ++i)
-        if (use[i]) sum += now[i];
-      scale = std::max(1e-6, std::sqrt(sum / left));
-      scale /= std::sqrt(kept_variance(scale));
-      gate_scale = std::max(gate_scale, scale);
+        if (use[i]) sum += statements[i].squared;
+      scale = std::max(1e-6, std::sqrt(sum / left / kept));
     }
+    const OutlierDecision decision =
+        DecideOutliers(statements, use, result.freedoms, kept, options);
+    use = decision.use;
+    share = decision.share;
   }
-  if (options.sigmas_are_known) scale /= std::sqrt(kept_variance(scale));
+  if (options.sigmas_are_known) scale = 1 / std::sqrt(kept);
 
   result.state = state;
   result.scale = scale;

@@ -32,9 +32,10 @@ struct CoregisterOptions {
   /// are.
   bool sigmas_are_known = false;
   double sigma_tilt_rad = 0.01;  ///< of a board's plane against its pose in the camera
-  /// A correspondence is named as an outlier where fewer than this share of right ones were as far
-  /// off.  A larger one names more that are a little wrong, and the 95 % region becomes too small.
-  double outlier_share = 0.001;
+  /// Of the correspondences that are named as outliers this share may be right ones; where none is
+  /// wrong, one is named in this share of sets.  A larger one names more that are a little wrong,
+  /// and the 95 % region becomes too small.
+  double outlier_share = 0.01;
   /// One a parameter of the camera: estimated, not taken from its file.  Empty: none.
   std::vector<std::uint8_t> free_parameters;
   std::uint64_t seed = 1;  ///< of the start's samples, where there are too many to try all

@@ -33,11 +33,11 @@ class Heethesh : public ::testing::Test {
   CoregisterOptions options_;
 };
 
-// At the default share the gate is 24.6 px wide and the largest residual 24.2: nothing is named.
-// This share is not what the simulation's 95 % region asks for (docs/coregistration.md).
-TEST_F(Heethesh, AtAShareOfAHundredthOutliersAreNamedAndTheRestIsPredictedBetter) {
+// Two points are as far off as 0.2 and 0.7 % of right ones: not enough for the default share, which
+// the simulations below ask for (docs/coregistration.md).
+TEST_F(Heethesh, AtAShareOfATenthOutliersAreNamedAndTheRestIsPredictedBetter) {
   EXPECT_TRUE(Coregister(types_, data_, camera_, options_).outliers.empty());
-  options_.outlier_share = 0.01;
+  options_.outlier_share = 0.1;
   const Coregistration solved = Coregister(types_, data_, camera_, options_);
   const HeldOut held_out = LeaveOneOut(types_, data_, solved, options_);
   std::printf("rms %.2f px, held out %.2f px (all %.2f, median %.2f), outliers:", solved.rms_px,
@@ -176,7 +176,7 @@ TEST_F(Kitti, DISABLED_MeasuredIn500Trials) {
 TEST_F(Kitti, DISABLED_ShareOfRightOnesThatMayBeNamed) {
   for (const Wrong& wrong : {Wrong{0.15, 3, 30}, Wrong{0.15}, Wrong{0}})
     for (const std::size_t count : {16, 32})
-      for (const double share : {1e-3, 1e-2, 2.5e-2}) {
+      for (const double share : {0.01, 0.05, 0.1}) {
         options_.outlier_share = share;
         const Trials found = RunTrials(frame_, options_, count, wrong, 100, 9000);
         std::printf(

@@ -50,6 +50,9 @@ TEST(FQuantile, IsThatOfTables) {
   EXPECT_NEAR(FQuantile(0.95, 6, 10), 3.2172, 1e-4);
   EXPECT_NEAR(FQuantile(0.95, 1, 1), 161.4476, 1e-3);
   EXPECT_NEAR(FQuantile(0.95, 6, 1e7), 2.0986, 1e-4);  // chi-square's 12.5916 / 6
+  for (const double share : {0.1, 0.9, 0.999})
+    EXPECT_NEAR(FExceeded(FQuantile(share, 2, 24), 2, 24), 1 - share, 1e-12);
+  EXPECT_NEAR(FExceeded(300, 2, 24) / std::pow(1 + 300 / 12., -12), 1, 1e-12);  // in closed form
 }
 
 TEST(Coregister, FindsTheCameraWithoutAStart) {
