@@ -153,7 +153,7 @@ TEST_F(Segment, RefusesWhatItCannotSegment) {
       {{"segment", "evaluate", kClouds + "mosd/test/test0.pcd", "--truth",
         kClouds + "kitti3/velodyne/000001.bin"},
        3,
-       "expected labels"},
+       "points;"},
       {{"segment", kClouds + "mosd/test/test0.pcd", "-o", Path("a.obj")}, 2, ".ply"},
       {{"segment", kClouds + "kitti3/velodyne/000001.bin", "--method", "joint"}, 3, "no colours"},
       {{"segment", kClouds + "kitti3/velodyne/000001.bin", "--image",
