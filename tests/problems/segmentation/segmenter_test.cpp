@@ -18,9 +18,12 @@ std::atomic<std::size_t> allocations{0};
 }  // namespace
 
 // Counted, so that a frame can be shown to need none.
-void* operator new(std::size_t size) {
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
+  return std::malloc(size);
+}
+void* operator new(std::size_t size) {
+  if (void* memory = operator new(size, std::nothrow)) return memory;
   throw std::bad_alloc();
 }
 #pragma GCC diagnostic push
