@@ -73,15 +73,17 @@ void MakeSymmetric(std::size_t n, std::vector<double>* block) {
 
 // Whether a covariance could be one: of its correlations no eigenvalue is below zero by more than
 // rounding.
-bool IsCovariance(const std::vector<double>& block, std::size_t size) {
+// `scratch` is for the factor, so that nothing is allocated from block to block.
+bool IsCovariance(const std::vector<double>& block, std::size_t size, Eigen::MatrixXd* scratch) {
   const auto n = static_cast<Eigen::Index>(size);
-  Eigen::MatrixXd correlations = Eigen::Map<const Eigen::MatrixXd>(block.data(), n, n);
-  if (!correlations.allFinite() || !(correlations.diagonal().minCoeff() > 0)) return false;
-  const Eigen::VectorXd inverse = correlations.diagonal().cwiseSqrt().cwiseInverse();
-  correlations = inverse.asDiagonal() * correlations * inverse.asDiagonal();
-  if (correlations.llt().info() == Eigen::Success) return true;
+  const Eigen::Map<const Eigen::MatrixXd> covariance(block.data(), n, n);
+  if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0)) return false;
+  *scratch = covariance;
+  if (Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(*scratch).info() == Eigen::Success) return true;
+  const Eigen::VectorXd inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  *scratch = inverse.asDiagonal() * covariance * inverse.asDiagonal();
   constexpr double kRounding = 1e-12;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlations, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(*scratch, Eigen::EigenvaluesOnly);
   return solver.eigenvalues().minCoeff() > -kRounding;
 }
 
@@ -135,6 +137,7 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
     if (!factor.IsUsable()) return too_ill_conditioned(std::move(diagnosis));
   }
 
+  Eigen::MatrixXd scratch;
   if (by_pattern) {
     const SparseInverse inverse(factor.Factor());
     for (const VariableId id : wanted) {
@@ -146,7 +149,7 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
         for (int c = 0; c < n; ++c)
           block.push_back(inverse.At(first + r, first + c) * factor.Scale(first + r) *
                           factor.Scale(first + c));
-      if (!IsCovariance(block, size_of(id))) return too_ill_conditioned({});
+      if (!IsCovariance(block, size_of(id), &scratch)) return too_ill_conditioned({});
     }
     return marginals;
   }
@@ -178,7 +181,7 @@ std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Va
                 inverse[(column + c) * rows + static_cast<std::size_t>(index.first[a]) + r];
         if (a != b) continue;
         MakeSymmetric(size_of(b), &block);
-        if (!IsCovariance(block, size_of(b))) return too_ill_conditioned({});
+        if (!IsCovariance(block, size_of(b), &scratch)) return too_ill_conditioned({});
       }
       column += size_of(b);
     }
