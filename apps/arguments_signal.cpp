@@ -34,6 +34,17 @@ void AddSettings(CLI::App* sub, Choosing* choosing) {
               "one of them, matte.lambda=2; may be repeated");
 }
 
+void AddReplay(CLI::App* sub, SignalReplayWords* words) {
+  sub->add_option("--every", words->every, "from step to step, and a horizon's length: 2s")
+      ->capture_default_str();
+  sub->add_option("--horizons", words->horizons, "how many steps ahead")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  sub->add_option("--predict-every", words->predict_every, "predict at each so many'th step only")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+}
+
 void AddModel(CLI::App* sub, std::string* model, std::string* map) {
   sub->add_option("MODEL", *model, "as signal fit writes")->required();
   sub->add_option("--map", *map,
@@ -103,16 +114,9 @@ void AddEvaluate(CLI::App* signal, Chosen* chosen) {
       "  graticule signal evaluate nw1/ bbb3/ --methods log-fit matte --plot figure.svg --json",
       command, chosen);
   AddInput(sub, &command->input);
-  sub->add_option("--every", command->every, "from step to step, and a horizon's length: 2s")
-      ->capture_default_str();
-  sub->add_option("--horizons", command->horizons, "how many steps ahead")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  AddReplay(sub, &command->replay);
   sub->add_option("--methods", command->methods,
                   "as signal fit's; by default log-fit, persistence, one, mrt, mrgp, matte, best");
-  sub->add_option("--predict-every", command->predict_every, "predict at each so many'th step only")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
   sub->add_flag("--forget", command->forget, "learn each drive of a log from nothing");
   sub->add_option("--threads", command->threads, "methods and logs that are replayed at once")
       ->check(CLI::Range(1, 256))
@@ -136,14 +140,15 @@ void AddTune(CLI::App* signal, Chosen* chosen) {
                   "was stopped goes on")
       ->required();
   sub->add_option("--methods", command->methods, "each is tuned by itself")->capture_default_str();
-  sub->add_option("--every", command->every, "from step to step of the replay")
+  sub->add_option("--only", command->only,
+                  "the settings to search (docs/signal.md), matte.lambda; by default all that a "
+                  "method depends on");
+  sub->add_option("--by", command->by,
+                  "what is to be least: the mean squared error, or the negative log likelihood, "
+                  "which judges the deviations too")
+      ->check(CLI::IsMember({"mse", "nll"}))
       ->capture_default_str();
-  sub->add_option("--horizons", command->horizons, "the mean squared error over so many is least")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  sub->add_option("--predict-every", command->predict_every, "predict at each so many'th step only")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  AddReplay(sub, &command->replay);
   sub->add_option("--most", command->most, "replays of all logs, for each method")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

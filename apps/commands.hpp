@@ -262,13 +262,18 @@ struct SignalDrawCommand {
   std::string model, map, output;
 };
 
-struct SignalEvaluateCommand {
-  SignalInput input;
-  Choosing choosing;
-  std::vector<std::string> methods;
+/// How logs are replayed.
+struct SignalReplayWords {
   std::string every = "2s";
   int horizons = 10;
   int predict_every = 1;
+};
+
+struct SignalEvaluateCommand {
+  SignalInput input;
+  Choosing choosing;
+  SignalReplayWords replay;
+  std::vector<std::string> methods;
   bool forget = false, json = false;
   int threads = 2;
   std::string plot;
@@ -277,9 +282,10 @@ struct SignalEvaluateCommand {
 struct SignalTuneCommand {
   SignalInput input;
   Choosing choosing;
-  std::vector<std::string> methods = {"mrt", "matte", "mrgp"};
-  std::string every = "2s", output;
-  int horizons = 3, predict_every = 1, threads = 2, most = 200;
+  SignalReplayWords replay{"2s", 3, 1};
+  std::vector<std::string> methods = {"mrt", "matte", "mrgp"}, only;
+  std::string by = "mse", output;
+  int threads = 2, most = 200;
 };
 
 struct SignalSimulateCommand {

@@ -8,7 +8,7 @@
 #include "graticule/io/svg.hpp"
 #include "graticule/problems/parallel_for.hpp"
 #include "problem.hpp"
-#include "signal_replay.hpp"
+#include "signal_input.hpp"
 
 namespace graticule::apps {
 namespace {
@@ -103,8 +103,7 @@ std::string Figure(const std::vector<ReplayResult>& results, double step_s) {
   return DrawCurves(chart);
 }
 
-}  // namespace
-
+// The replay of one log by a method.
 ReplayResult ReplayOf(const LoadedSignal& signal, const std::string& method,
                       const MethodOptions& options, const ReplayOptions& replay) {
   return About(signal.name, [&] {
@@ -121,6 +120,7 @@ ReplayResult ReplayOf(const LoadedSignal& signal, const std::string& method,
   });
 }
 
+// Several logs' results as one: means weighed by counts.
 ReplayResult Together(const std::vector<ReplayResult>& results) {
   ReplayResult sum;
   sum.method = results.front().method;
@@ -137,12 +137,11 @@ ReplayResult Together(const std::vector<ReplayResult>& results) {
   return sum;
 }
 
+}  // namespace
+
 int Run(const SignalEvaluateCommand& command, const Console& console) {
-  ReplayOptions replay;
-  replay.step_s = SecondsOf("--every", command.every);
-  replay.horizons = command.horizons;
+  ReplayOptions replay = ReplayOptionsOf(command.replay);
   replay.forget_between_drives = command.forget;
-  replay.every = static_cast<std::size_t>(command.predict_every);
   if (!command.plot.empty()) {
     ExpectEnding(command.plot, "--plot", {".svg", ".png"});
     ExpectWritable(command.plot);

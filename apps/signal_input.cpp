@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <map>
 
-#include "graticule/io/checksum.hpp"
 #include "graticule/io/config.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/text.hpp"
@@ -99,29 +98,6 @@ std::vector<LoadedSignal> LoadSignals(const SignalInput& input) {
   return signals;
 }
 
-std::string Fingerprint(const LoadedSignal& signal) {
-  std::string text;
-  for (const std::string& radio : signal.log.radios) text += radio + '\n';
-  const auto add = [&](const auto&... numbers) {
-    for (const double number : {static_cast<double>(numbers)...}) {
-      text += ' ';
-      AppendNumber(&text, number);
-    }
-  };
-  add(signal.log.has_time, signal.log.has_height);
-  for (const SignalMeasurement& measurement : signal.log.measurements) {
-    const SignalLink& link = measurement.link;
-    add(link.time_s, link.receiver, link.transmitter, link.receiver_m.x(), link.receiver_m.y(),
-        link.receiver_m.z(), link.transmitter_m.x(), link.transmitter_m.y(), link.transmitter_m.z(),
-        measurement.dbm, measurement.is_heard);
-  }
-  if (!signal.map) return Checksum(text);
-  const OccupancyGrid& map = *signal.map;
-  add(map.resolution, map.map_from_grid.x, map.map_from_grid.y, map.map_from_grid.yaw, map.width);
-  for (const Occupancy cell : map.cells) text += static_cast<char>('0' + static_cast<int>(cell));
-  return Checksum(text);
-}
-
 MethodOptions OptionsOf(const Choosing& choosing) {
   MethodOptions options;
   const auto set = [&](const std::string& name, const std::string& text) {
@@ -162,13 +138,17 @@ bool NeedsMap(const std::string& method) {
   return method.rfind("matte", 0) == 0 || method.rfind("one-attenuation", 0) == 0;
 }
 
-double SecondsOf(const char* option, const std::string& text) {
-  double value = 0;
-  const bool has_unit = !text.empty() && text.back() == 's';
-  if (!ReadNumber(has_unit ? text.substr(0, text.size() - 1) : text, &value) || !(value > 0))
-    throw Error(fmt::format("{} {}: expected seconds above zero, as 2s", option, Quoted(text)),
+ReplayOptions ReplayOptionsOf(const SignalReplayWords& words) {
+  ReplayOptions replay;
+  const std::string& every = words.every;  // "2s" or "2"
+  const bool has_unit = !every.empty() && every.back() == 's';
+  if (!ReadNumber(has_unit ? every.substr(0, every.size() - 1) : every, &replay.step_s) ||
+      !(replay.step_s > 0))
+    throw Error("--every " + Quoted(every) + ": expected seconds above zero, as 2s",
                 ErrorKind::kUsage);
-  return value;
+  replay.horizons = words.horizons;
+  replay.every = static_cast<std::size_t>(words.predict_every);
+  return replay;
 }
 
 }  // namespace graticule::apps

@@ -21,9 +21,6 @@ struct LoadedSignal {
 /// position outside of the map (kInput).
 std::vector<LoadedSignal> LoadSignals(const SignalInput& input);
 
-/// One word for a log's measurements and its map, whatever files they came from.
-std::string Fingerprint(const LoadedSignal& signal);
-
 /// null for no name.
 std::shared_ptr<const OccupancyGrid> LoadMap(const std::string& path);
 
@@ -38,7 +35,7 @@ std::string MethodOf(const std::string& word);
 bool UsesMap(const std::string& method);
 bool NeedsMap(const std::string& method);
 
-/// "2s" or "2".  Throws Error (kUsage).
-double SecondsOf(const char* option, const std::string& text);
+/// Throws Error (kUsage): a step that is no time.
+ReplayOptions ReplayOptionsOf(const SignalReplayWords& words);
 
 }  // namespace graticule::apps

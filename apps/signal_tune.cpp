@@ -1,16 +1,14 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
-#include "graticule/io/checksum.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/text.hpp"
-#include "graticule/problems/attenuation/settings.hpp"
-#include "graticule/problems/attenuation/tune.hpp"
-#include "graticule/solver/provenance.hpp"
+#include "graticule/problems/attenuation/tune_method.hpp"
 #include "problem.hpp"
-#include "signal_replay.hpp"
+#include "signal_input.hpp"
 #include "spread.hpp"
 
 namespace graticule::apps {
@@ -23,112 +21,100 @@ struct Stopped {};
 class Replays {
  public:
   explicit Replays(const SignalTuneCommand& command) : options_(OptionsOf(command.choosing)) {
-    replay_.step_s = SecondsOf("--every", command.every);
-    replay_.horizons = command.horizons;
-    replay_.every = static_cast<std::size_t>(command.predict_every);
-    for (const std::string& word : command.methods) {
-      methods_.push_back(MethodOf(word));
-      if (SettingsOf(methods_.back()).empty())
-        throw Error("--methods: " + methods_.back() + " has nothing to tune", ErrorKind::kUsage);
-    }
-    signals_ = LoadSignals(command.input);
-    for (const std::string& method : methods_)
-      for (const LoadedSignal& signal : signals_)
+    how_.by = command.by == "nll" ? TuneBy::kNegativeLogLikelihood : TuneBy::kMse;
+    how_.replay = ReplayOptionsOf(command.replay);
+    how_.replay.before_step = [] {
+      if (Interruptible::WasAsked()) throw Stopped();
+    };
+    how_.max_evaluations = static_cast<std::size_t>(command.most);
+    for (const std::string& word : command.methods) methods_.push_back(MethodOf(word));
+    for (const std::string& method : methods_) only_.push_back(Chosen(method, command.only));
+    for (const std::string& name : command.only)
+      if (std::none_of(only_.begin(), only_.end(), [&](const std::vector<std::string>& names) {
+            return std::count(names.begin(), names.end(), name) > 0;
+          }))
+        throw Error("--only " + Quoted(name) + ": no method of --methods depends on it",
+                    ErrorKind::kUsage);
+    for (LoadedSignal& signal : LoadSignals(command.input)) {
+      for (const std::string& method : methods_)
         if (NeedsMap(method) && !signal.map)
           throw Error("--map: " + method + " needs a map of " + signal.name, ErrorKind::kUsage);
+      logs_.push_back({std::move(signal.log), std::move(signal.map), {}, signal.name});
+    }
   }
 
   const std::vector<std::string>& Methods() const { return methods_; }
-  const MethodOptions& Options() const { return options_; }
-  const ReplayOptions& How() const { return replay_; }
+  const TuneOptions& How() const { return how_; }
 
-  // A method with these numbers, as a request.
-  static std::string Request(std::size_t method, const std::vector<double>& numbers) {
-    std::string text = std::to_string(method);
-    for (const double number : numbers) {
-      text += ' ';
-      AppendNumber(&text, number);
-    }
-    return text;
+  std::string Shown(double score) const {
+    return how_.by == TuneBy::kMse ? fmt::format("mean squared error {:.3f} dB^2", score)
+                                   : fmt::format("negative log likelihood {:.4f}", score);
   }
 
-  // Its mean squared error over all logs [dB^2], as text; empty where it was stopped.
+  // The score of a request, as text; empty where it was stopped.
   std::optional<std::string> Handle(const std::string& request) const {
     TextReader reader(request, "request");
     reader.NextLine();
-    const std::string& method = methods_.at(reader.Integer("the method"));
+    const auto method = reader.Integer("the method");
     MethodOptions tried = options_;
-    for (const SignalSetting* setting : SettingsOf(method))
+    for (const SignalSetting* setting : TunedSettings(methods_.at(method), options_, HowOf(method)))
       setting->set(&tried, reader.Double("a setting"));
-    ReplayOptions replay = replay_;
-    replay.before_step = [] {
-      if (Interruptible::WasAsked()) throw Stopped();
-    };
-    std::vector<ReplayResult> results;
+    std::string text;
     try {
-      for (const LoadedSignal& signal : signals_)
-        results.push_back(ReplayOf(signal, method, tried, replay));
+      AppendNumber(&text, TuneScore(methods_[method], logs_, tried, how_));
     } catch (const Stopped&) {
       return std::nullopt;
     }
-    std::string text;
-    AppendNumber(&text, Together(results).all.mse);
     return text;
   }
 
-  // One word for all that values depend on beside the numbers that are searched for.
-  std::string Fingerprint(const std::string& method) const {
-    std::string text = method;
-    const auto add = [&](double number) {
-      text += ' ';
-      AppendNumber(&text, number);
+  // Searches by requests: a method's number, and values of its settings.
+  TuneResult Search(std::size_t method, const std::string& state_path, const Console& console,
+                    const Spread::Handler& handler, Spread* spread) const {
+    TuneOptions how = HowOf(method);
+    how.state_path = state_path;
+    int done = 0;
+    how.evaluate = [&](const std::vector<std::vector<double>>& points, const CompassFound& found) {
+      std::vector<std::string> requests;
+      for (const std::vector<double>& point : points) {
+        requests.push_back(std::to_string(method));
+        for (const double number : point) AppendNumber(&(requests.back() += ' '), number);
+      }
+      spread->Run(requests, handler, [&](std::size_t i, const std::string& result) {
+        console.Progress(fmt::format("{}: {} replays", methods_[method], ++done));
+        double value = HUGE_VAL;
+        std::from_chars(result.data(), result.data() + result.size(), value);
+        found(i, value);
+      });
     };
-    for (const double number : {replay_.step_s, static_cast<double>(replay_.horizons),
-                                static_cast<double>(replay_.every)})
-      add(number);
-    for (const SignalSetting& setting : SignalSettings()) add(setting.get(options_));
-    for (const auto& [what, version] : Provenance()) text += ' ' + what + ' ' + version;
-    for (const LoadedSignal& signal : signals_) text += ' ' + graticule::apps::Fingerprint(signal);
-    return Checksum(text);
+    return TuneMethod(methods_[method], logs_, options_, how);
   }
 
  private:
-  MethodOptions options_;
-  ReplayOptions replay_;
-  std::vector<std::string> methods_;
-  std::vector<LoadedSignal> signals_;
-};
-
-CompassResult Search(std::size_t method, const Replays& replays, const SignalTuneCommand& command,
-                     const Console& console, const Spread::Handler& handler, Spread* spread) {
-  const std::string& name = replays.Methods()[method];
-  CompassOptions search;
-  std::vector<double> start;
-  for (const SignalSetting* setting : SettingsOf(name)) {
-    start.push_back(setting->get(replays.Options()));
-    search.scale.push_back(setting->step);
-    search.lower.push_back(setting->lower);
-    search.upper.push_back(setting->upper);
+  // Those of the names that a method depends on.  Throws Error: it depends on none.
+  std::vector<std::string> Chosen(const std::string& method,
+                                  const std::vector<std::string>& names) const {
+    std::vector<std::string> chosen;
+    for (const SignalSetting* setting : TunedSettings(method, options_, how_))
+      if (std::count(names.begin(), names.end(), setting->name) > 0)
+        chosen.push_back(setting->name);
+    if (chosen.empty() && !names.empty())
+      throw Error("--only: " + method + " depends on none of them", ErrorKind::kUsage);
+    return chosen;
   }
-  search.last_step = 0.2;
-  search.max_evaluations = static_cast<std::size_t>(command.most);
-  search.state_path = command.output + "." + name + ".state";
-  search.state_of = replays.Fingerprint(name);
-  int done = 0;
-  const CompassEvaluate evaluate = [&](const std::vector<std::vector<double>>& points,
-                                       const CompassFound& found) {
-    std::vector<std::string> requests;
-    for (const std::vector<double>& point : points)
-      requests.push_back(Replays::Request(method, point));
-    spread->Run(requests, handler, [&](std::size_t i, const std::string& result) {
-      console.Progress(fmt::format("{}: {} replays", name, ++done));
-      double value = HUGE_VAL;
-      std::from_chars(result.data(), result.data() + result.size(), value);
-      found(i, value);
-    });
-  };
-  return CompassSearch(evaluate, start, search);
-}
+
+  TuneOptions HowOf(std::size_t method) const {
+    TuneOptions how = how_;
+    how.only = only_[method];
+    return how;
+  }
+
+  MethodOptions options_;
+  TuneOptions how_;
+  std::vector<std::string> methods_;
+  std::vector<std::vector<std::string>> only_;  // of each method; none: all of its settings
+  std::vector<TrainingLog> logs_;
+};
 
 int Tune(const SignalTuneCommand& command, const Console& console, Spread* spread) {
   if (spread->IsRoot()) {
@@ -148,22 +134,22 @@ int Tune(const SignalTuneCommand& command, const Console& console, Spread* sprea
   bool has_converged = true, was_stopped = false;
   for (std::size_t m = 0; m < replays.Methods().size() && !was_stopped; ++m) {
     const std::string& method = replays.Methods()[m];
-    const CompassResult found = Search(m, replays, command, console, handler, spread);
+    const TuneResult found =
+        replays.Search(m, command.output + "." + method + ".state", console, handler, spread);
     console.Progress("");
-    has_converged = has_converged && found.has_converged;
-    was_stopped = found.was_stopped;
+    has_converged = has_converged && found.search.has_converged;
+    was_stopped = found.search.was_stopped;
     const std::string value =
-        std::isnan(found.value) ? "not known yet" : fmt::format("{:.3f} dB^2", found.value);
-    yaml += fmt::format("# {}: mean squared error {} over {} steps of {:g} s\n", method, value,
-                        replays.How().horizons, replays.How().step_s);
-    fmt::print("{}: {} after {} replays{}\n", method, value, found.evaluations,
-               found.has_converged ? "" : "; not yet at its least");
-    std::size_t i = 0;
-    for (const SignalSetting* setting : SettingsOf(method)) {
-      yaml += setting->name + ": ";
-      AppendNumber(&yaml, found.best[i]);
+        std::isnan(found.after) ? "not known yet" : replays.Shown(found.after);
+    yaml += fmt::format("# {}: {} over {} steps of {:g} s\n", method, value,
+                        replays.How().replay.horizons, replays.How().replay.step_s);
+    fmt::print("{}: {} after {} replays{}\n", method, value, found.search.evaluations,
+               found.search.has_converged ? "" : "; not yet at its least");
+    for (std::size_t i = 0; i < found.settings.size(); ++i) {
+      yaml += found.settings[i]->name + ": ";
+      AppendNumber(&yaml, found.search.best[i]);
       yaml += "\n";
-      fmt::print("  {:<22} {:g}\n", setting->name, found.best[i++]);
+      fmt::print("  {:<22} {:g}\n", found.settings[i]->name, found.search.best[i]);
     }
   }
   WriteFile(command.output, yaml);

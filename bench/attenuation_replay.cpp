@@ -52,13 +52,7 @@ void Set(const std::string& name, double value, MethodOptions* options) {
   else if (name == "pair-gp.learn")
     pair.learn = value != 0;
   else {
-    for (const std::string& method : MethodNames())
-      for (const MetaParameter& parameter : MetaParameters(method, *options))
-        if (parameter.name == name) {
-          *parameter.value(options) = value;
-          return;
-        }
-    throw Error("there is no option " + name, ErrorKind::kUsage);
+    SetSignalOption(options, name, value);
   }
 }
 
@@ -96,11 +90,11 @@ void PrintReplay(const SignalSet& set, const std::vector<std::string>& methods,
 void Tune(const SignalSet& set, const std::vector<std::string>& methods, const MethodOptions& start,
           const TuneOptions& options) {
   for (const std::string& name : methods) {
-    TuneResult result = TuneMethod(name, {{set.log, set.map}}, start, options);
+    const TuneResult result = TuneMethod(name, {{set.log, set.map}}, start, options);
     fmt::print("{}: {:.4f} -> {:.4f} by {} replays{}:", name, result.before, result.after,
                result.search.evaluations, result.search.has_converged ? "" : ", not converged");
-    for (const MetaParameter& parameter : result.parameters)
-      fmt::print(" {}={:.4g}", parameter.name, *parameter.value(&result.options));
+    for (const SignalSetting* setting : result.settings)
+      fmt::print(" {}={:.4g}", setting->name, setting->get(result.options));
     fmt::print("\n");
     std::fflush(stdout);
   }

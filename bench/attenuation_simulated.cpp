@@ -126,11 +126,11 @@ class Bench {
     std::vector<TrainingLog> logs;
     for (const std::string& name : kEvaluations[number - 1].train)
       logs.push_back({Place(name).log, nullptr, Place(name).maps});
-    TuneResult result = TuneMethod(method, logs, {}, options);
+    const TuneResult result = TuneMethod(method, logs, {}, options);
     fmt::print("  {:<23} in training {:.2f} -> {:.2f} dB^2{}:", method, result.before, result.after,
                result.search.has_converged ? "" : ", not converged");
-    for (const MetaParameter& parameter : result.parameters)
-      fmt::print(" {} {:.3g}", parameter.name, *parameter.value(&result.options));
+    for (const SignalSetting* setting : result.settings)
+      fmt::print(" {} {:.3g}", setting->name, setting->get(result.options));
     fmt::print("\n");
     std::fflush(stdout);
     return result.options;

@@ -1,5 +1,7 @@
 #include "graticule/problems/attenuation/settings.hpp"
 
+#include <algorithm>
+
 #include "graticule/io/text.hpp"
 #include "graticule/solver/error.hpp"
 #include "graticule/solver/nearest.hpp"
@@ -7,65 +9,115 @@
 namespace graticule {
 namespace {
 
-using Get = std::function<double(const MethodOptions&)>;
+using Matters = std::function<bool(const MethodOptions&)>;
 
-/// A setting whose place in the options `at` returns.
-template <class At>
-SignalSetting Make(const char* name, const char* summary, double lower, double upper, double step,
-                   At at) {
-  return {name,
-          summary,
-          lower,
-          upper,
-          step,
-          [at](const MethodOptions& options) {
-            MethodOptions copy = options;
-            return double{at(copy)};
-          },
-          [at](MethodOptions* options, double value) { at(*options) = value; }};
+bool Always(const MethodOptions&) { return true; }
+
+// The settings of one method or process; each `at` returns a number's place in the options.
+class Settings {
+ public:
+  Settings(std::string owner, std::vector<SignalSetting>* all)
+      : owner_(std::move(owner)), all_(all) {}
+
+  template <class At>
+  SignalSetting& Add(const std::string& what, const char* summary, double lower, double upper,
+                     At at, Matters matters = Always) {
+    all_->push_back({owner_ + "." + what, summary, lower, upper, true, 1,
+                     [at](const MethodOptions& options) {
+                       MethodOptions copy = options;
+                       return double{at(copy)};
+                     },
+                     [at](MethodOptions* options, double value) { at(*options) = value; },
+                     std::move(matters)});
+    return all_->back();
+  }
+
+ private:
+  std::string owner_;
+  std::vector<SignalSetting>* all_;
+};
+
+void AddTomography(const std::string& owner, TomographyOptions MethodOptions::*of,
+                   std::vector<SignalSetting>* all) {
+  Settings settings(owner, all);
+  const MethodOptions defaults;
+  if ((defaults.*of).cell_m > 0) {
+    const Matters has_cells = [of](const MethodOptions& o) { return (o.*of).cell_m > 0; };
+    settings.Add(
+        "cell_m", "m, a cell's side", 0.5, 20,
+        [of](MethodOptions& o) -> double& { return (o.*of).cell_m; }, has_cells);
+    settings.Add(
+        "lambda", "weight of neighbouring cells being alike", 0.05, 100,
+        [of](MethodOptions& o) -> double& { return (o.*of).lambda; }, has_cells);
+  }
+  settings.Add(
+      "bias_sigma_db", "dB, deviation of the radios' offsets", 0.1, 30,
+      [of](MethodOptions& o) -> double& { return (o.*of).bias_sigma_db; },
+      [of](const MethodOptions& o) { return (o.*of).bias != RadioBias::kNone; });
+  for (std::size_t c = 0; c < (defaults.*of).classes.size(); ++c) {
+    const std::string name = (defaults.*of).classes[c].name;
+    SignalSetting& rho = settings.Add(
+        "rho_" + name, "dB/m that are expected before anything is measured", -2, 20,
+        [of, c](MethodOptions& o) -> double& { return (o.*of).classes[c].rho_db_per_m; });
+    rho.is_log = false;
+    rho.step = 0.5;
+    settings.Add("phi_" + name, "weight of that", 0.05, 100,
+                 [of, c](MethodOptions& o) -> double& { return (o.*of).classes[c].phi; });
+  }
 }
 
-void AddGrid(const std::string& method, TomographyOptions MethodOptions::*options,
-             std::vector<SignalSetting>* settings) {
-  const auto name = [&](const char* what) { return method + "." + what; };
-  settings->push_back(Make(name("lambda").c_str(), "weight of neighbouring cells being alike", 0.1,
-                           40, 2,
-                           [options](MethodOptions& o) -> double& { return (o.*options).lambda; }));
+void AddProcess(const std::string& owner, GaussianProcessOptions MethodOptions::*of,
+                std::vector<SignalSetting>* all) {
+  Settings settings(owner, all);
+  const Matters is_given = [of](const MethodOptions& o) { return !(o.*of).learn; };
+  settings.Add(
+      "length_m", "m, over which strengths are alike", 0.05, 200,
+      [of](MethodOptions& o) -> double& { return (o.*of).place.length_m; }, is_given);
+  settings.Add(
+      "sigma_f_db", "dB, deviation of what places have in common", 0.05, 50,
+      [of](MethodOptions& o) -> double& { return (o.*of).sigma_f_db; }, is_given);
+  settings.Add(
+      "sigma_d_db", "dB, deviation of one measurement", 0.1, 50,
+      [of](MethodOptions& o) -> double& { return (o.*of).sigma_d_db; }, is_given);
 }
 
-void AddClasses(const std::string& method, TomographyOptions MethodOptions::*options,
-                std::vector<SignalSetting>* settings) {
-  const char* names[] = {"free", "structure", "unknown"};
-  for (std::size_t c = 0; c < 3; ++c)
-    settings->push_back(Make((method + ".rho_" + names[c]).c_str(),
-                             "dB/m that are expected before anything is measured",
-                             c == 1 ? 0.0 : -0.5, c == 1 ? 20 : 5, c == 1 ? 2 : 0.2,
-                             [options, c](MethodOptions& o) -> double& {
-                               return (o.*options).classes[c].rho_db_per_m;
-                             }));
-  for (std::size_t c = 0; c < 3; ++c)
-    settings->push_back(
-        Make((method + ".phi_" + names[c]).c_str(), "weight of that", 0.2, 60, c == 1 ? 2 : 5,
-             [options, c](MethodOptions& o) -> double& { return (o.*options).classes[c].phi; }));
-}
-
-void AddResidual(const std::string& process, ResidualGpOptions MethodOptions::*of,
-                 std::vector<SignalSetting>* settings) {
+void AddResidual(const std::string& owner, ResidualGpOptions MethodOptions::*of,
+                 std::vector<SignalSetting>* all) {
+  Settings settings(owner, all);
   const auto add = [&](const char* what, const char* summary, double lower, double upper,
-                       double step, double ResidualGpOptions::*member) {
-    settings->push_back(
-        Make((process + what).c_str(), summary, lower, upper, step,
-             [of, member](MethodOptions& o) -> double& { return (o.*of).*member; }));
+                       double ResidualGpOptions::*member, const Matters& matters = Always) {
+    settings.Add(
+        what, summary, lower, upper,
+        [of, member](MethodOptions& o) -> double& { return (o.*of).*member; }, matters);
   };
-  add(".place_db", "deviation of what pairs of places have in common", 0.3, 15, 1,
+  add("offset_db", "dB, deviation of the whole", 0.05, 20, &ResidualGpOptions::offset_db);
+  settings.Add("place_m", "m, over which pairs of places are alike", 0.05, 200,
+               [of](MethodOptions& o) -> double& { return (o.*of).place.length_m; });
+  add("place_db", "dB, deviation of what they have in common", 0.1, 30,
       &ResidualGpOptions::place_db);
-  settings->push_back(Make((process + ".place_m").c_str(), "over which they have it in common", 0.2,
-                           20, 0.5,
-                           [of](MethodOptions& o) -> double& { return (o.*of).place.length_m; }));
-  add(".link_db", "deviation of what a link has for a while", 0.3, 15, 1,
+  add("link_db", "dB, deviation of what a link has for a while", 0.1, 30,
       &ResidualGpOptions::link_db);
-  add(".link_s", "that while", 0.5, 120, 2, &ResidualGpOptions::link_s);
-  add(".noise_db", "deviation of one measurement", 0.5, 15, 0.5, &ResidualGpOptions::noise_db);
+  add("link_s", "s, that while", 0.25, 600, &ResidualGpOptions::link_s);
+  add("radio_db", "dB, deviation of each radio's offset, where the mean has none", 0.1, 30,
+      &ResidualGpOptions::radio_db, [of](const MethodOptions& o) { return (o.*of).radio_db > 0; });
+  add("noise_db", "dB, deviation of one measurement", 0.3, 30, &ResidualGpOptions::noise_db);
+}
+
+std::string OwnerOf(const SignalSetting& setting) {
+  return setting.name.substr(0, setting.name.find('.'));
+}
+
+bool EndsInGp(const std::string& method) {
+  return method.size() > 3 && method.compare(method.size() - 3, 3, "+gp") == 0;
+}
+
+// Whose settings a method has.
+std::vector<std::string> OwnersOf(const std::string& method) {
+  if (method == "combined") return {"matte", "fine-mrt", "gp", "fine-mrt-gp"};
+  std::string mean = method;
+  while (EndsInGp(mean)) mean.resize(mean.size() - 3);
+  if (mean == method) return {mean};
+  return {mean, method == "fine-mrt+gp" ? "fine-mrt-gp" : "gp"};
 }
 
 }  // namespace
@@ -73,15 +125,15 @@ void AddResidual(const std::string& process, ResidualGpOptions MethodOptions::*o
 const std::vector<SignalSetting>& SignalSettings() {
   static const std::vector<SignalSetting> settings = [] {
     std::vector<SignalSetting> all;
-    AddGrid("matte", &MethodOptions::matte, &all);
-    AddClasses("matte", &MethodOptions::matte, &all);
-    AddClasses("one-attenuation-a-class", &MethodOptions::one_a_class, &all);
-    AddGrid("mrt", &MethodOptions::mrt, &all);
-    AddGrid("fine-mrt", &MethodOptions::fine_mrt, &all);
-    all.push_back(Make("mrgp.length_m", "over which strengths are alike", 1, 60, 8,
-                       [](MethodOptions& o) -> double& { return o.mrgp.place.length_m; }));
-    all.push_back(Make("persistence.decay_s", "in which a link's last residuals fade", 1, 300, 10,
-                       [](MethodOptions& o) -> double& { return o.persistence_s; }));
+    AddTomography("matte", &MethodOptions::matte, &all);
+    AddTomography("one-attenuation-a-class", &MethodOptions::one_a_class, &all);
+    AddTomography("mrt", &MethodOptions::mrt, &all);
+    AddTomography("fine-mrt", &MethodOptions::fine_mrt, &all);
+    AddProcess("mrgp", &MethodOptions::mrgp, &all);
+    AddProcess("pair-gp", &MethodOptions::pair_gp, &all);
+    Settings("persistence", &all)
+        .Add("decay_s", "s, in which a link's last residuals fade", 0.5, 3600,
+             [](MethodOptions& o) -> double& { return o.persistence_s; });
     AddResidual("gp", &MethodOptions::residual_gp, &all);
     AddResidual("fine-mrt-gp", &MethodOptions::fine_mrt_gp, &all);
     return all;
@@ -89,21 +141,15 @@ const std::vector<SignalSetting>& SignalSettings() {
   return settings;
 }
 
-std::vector<const SignalSetting*> SettingsOf(const std::string& method) {
+std::vector<const SignalSetting*> SettingsOf(const std::string& method,
+                                             const MethodOptions& options) {
+  MakePredictor(method, options);  // throws where there is none
+  const std::vector<std::string> owners = OwnersOf(method);
   std::vector<const SignalSetting*> found;
-  const std::size_t plus = method.find("+gp");
-  const std::string mean = method.substr(0, plus);
-  const std::string process = plus == std::string::npos ? ""
-                              : mean == "log-fit"       ? "log-fit-gp"
-                                                        : "gp";
-  const auto is_combined = [](const std::string& owner) {
-    return owner == "fine-mrt" || owner == "matte" || owner == "gp" || owner == "fine-mrt-gp";
-  };
-  for (const SignalSetting& setting : SignalSettings()) {
-    const std::string owner = setting.name.substr(0, setting.name.find('.'));
-    if (owner == mean || owner == process || (method == "combined" && is_combined(owner)))
+  for (const SignalSetting& setting : SignalSettings())
+    if (std::find(owners.begin(), owners.end(), OwnerOf(setting)) != owners.end() &&
+        setting.matters(options))
       found.push_back(&setting);
-  }
   return found;
 }
 

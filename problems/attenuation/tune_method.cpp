@@ -3,155 +3,174 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graticule/io/checksum.hpp"
 #include "graticule/io/text.hpp"
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/provenance.hpp"
 
 namespace graticule {
 namespace {
 
-using Parameters = std::vector<MetaParameter>;
+using Settings = std::vector<const SignalSetting*>;
 
-void AddTomography(const std::string& name, TomographyOptions MethodOptions::*of,
-                   const MethodOptions& options, Parameters* all) {
-  const TomographyOptions& now = options.*of;
-  const auto add = [&](const std::string& what, double TomographyOptions::*member, double least,
-                       double most) {
-    all->push_back({name + "." + what, [=](MethodOptions* o) { return &((o->*of).*member); }, true,
-                    1, least, most});
-  };
-  if (now.cell_m > 0) {
-    add("cell_m", &TomographyOptions::cell_m, 0.5, 20);
-    add("lambda", &TomographyOptions::lambda, 0.05, 100);
-  }
-  if (now.bias != RadioBias::kNone)
-    add("bias_sigma_db", &TomographyOptions::bias_sigma_db, 0.1, 30);
-  for (std::size_t c = 0; c < now.classes.size(); ++c) {
-    all->push_back({name + ".rho_" + now.classes[c].name,
-                    [=](MethodOptions* o) { return &(o->*of).classes[c].rho_db_per_m; }, false, 0.5,
-                    -2, 20});
-    all->push_back({name + ".phi_" + now.classes[c].name,
-                    [=](MethodOptions* o) { return &(o->*of).classes[c].phi; }, true, 1, 0.05,
-                    100});
+// The search's coordinate of a setting's value, and back.
+double Coordinate(const SignalSetting& setting, double value) {
+  return setting.is_log ? std::log2(value) : value;
+}
+
+double Value(const SignalSetting& setting, double coordinate) {
+  return setting.is_log ? std::exp2(coordinate) : coordinate;
+}
+
+template <class... Numbers>
+void AddNumbers(std::string* text, Numbers... numbers) {
+  for (const double number : {static_cast<double>(numbers)...}) {
+    *text += ' ';
+    AppendNumber(text, number);
   }
 }
 
-void AddProcess(const std::string& name, GaussianProcessOptions MethodOptions::*of,
-                const MethodOptions& options, Parameters* all) {
-  if ((options.*of).learn) return;
-  all->push_back({name + ".length_m", [=](MethodOptions* o) { return &(o->*of).place.length_m; },
-                  true, 1, 0.05, 200});
-  all->push_back({name + ".sigma_f_db", [=](MethodOptions* o) { return &(o->*of).sigma_f_db; },
-                  true, 1, 0.05, 50});
-  all->push_back({name + ".sigma_d_db", [=](MethodOptions* o) { return &(o->*of).sigma_d_db; },
-                  true, 1, 0.1, 50});
+void AddMap(std::string* text, const OccupancyGrid& map) {
+  AddNumbers(text, map.resolution, map.map_from_grid.x, map.map_from_grid.y, map.map_from_grid.yaw,
+             map.width);
+  for (const Occupancy cell : map.cells) *text += static_cast<char>('0' + static_cast<int>(cell));
 }
 
-void AddResidual(const std::string& name, ResidualGpOptions MethodOptions::*of,
-                 const MethodOptions& options, Parameters* all) {
-  const auto add = [&](const std::string& what, double ResidualGpOptions::*member, double least,
-                       double most) {
-    all->push_back({name + "." + what, [=](MethodOptions* o) { return &((o->*of).*member); }, true,
-                    1, least, most});
+// One word for a log's measurements and its maps, whatever files they came from.
+std::string Fingerprint(const TrainingLog& training) {
+  std::string text;
+  for (const std::string& radio : training.log.radios) text += radio + '\n';
+  AddNumbers(&text, training.log.has_time, training.log.has_height);
+  for (const SignalMeasurement& measurement : training.log.measurements) {
+    const SignalLink& link = measurement.link;
+    AddNumbers(&text, link.time_s, link.receiver, link.transmitter, link.receiver_m.x(),
+               link.receiver_m.y(), link.receiver_m.z(), link.transmitter_m.x(),
+               link.transmitter_m.y(), link.transmitter_m.z(), measurement.dbm,
+               measurement.is_heard);
+  }
+  if (training.map) AddMap(&text, *training.map);
+  for (const TimedMap& map : training.maps) {
+    AddNumbers(&text, map.time_s);
+    AddMap(&text, *map.map);
+  }
+  return Checksum(text);
+}
+
+// One word for all that a score depends on beside the settings that are searched.
+std::string Fingerprint(const std::string& method, const std::vector<TrainingLog>& logs,
+                        const MethodOptions& start, const Settings& searched,
+                        const TuneOptions& options) {
+  std::string text = method;
+  AddNumbers(&text, static_cast<int>(options.by), options.replay.step_s, options.replay.horizons,
+             options.replay.every, options.replay.forget_between_drives, options.replay.new_drive_s,
+             options.replay.leave_s);
+  for (const SignalSetting& setting : SignalSettings()) AddNumbers(&text, setting.get(start));
+  for (const SignalSetting* setting : searched) text += ' ' + setting->name;
+  for (const auto& [what, version] : Provenance()) text += ' ' + what + ' ' + version;
+  for (const TrainingLog& log : logs) text += ' ' + Fingerprint(log);
+  return Checksum(text);
+}
+
+double Score(const std::string& method, const TrainingLog& training,
+             const MethodOptions& method_options, const TuneOptions& options) {
+  const auto make = [&]() -> std::unique_ptr<SignalPredictor> {
+    auto predictor = MakePredictor(method, method_options);
+    if (training.map) predictor->SetMap(training.map);
+    if (training.maps.empty()) return predictor;
+    return std::make_unique<GrowingMap>(std::move(predictor), training.maps);
   };
-  add("offset_db", &ResidualGpOptions::offset_db, 0.05, 20);
-  all->push_back({name + ".length_m", [=](MethodOptions* o) { return &(o->*of).place.length_m; },
-                  true, 1, 0.05, 200});
-  add("place_db", &ResidualGpOptions::place_db, 0.1, 30);
-  add("link_db", &ResidualGpOptions::link_db, 0.1, 30);
-  add("link_s", &ResidualGpOptions::link_s, 0.25, 600);
-  if ((options.*of).radio_db > 0) add("radio_db", &ResidualGpOptions::radio_db, 0.1, 30);
-  add("noise_db", &ResidualGpOptions::noise_db, 0.3, 30);
+  const SignalScore all = Replay(training.log, make, options.replay).all;
+  if (all.count == 0)
+    throw Error("nothing to predict: it ends before the replay's first step has passed");
+  return options.by == TuneBy::kMse ? all.mse : all.negative_log_likelihood;
 }
 
 }  // namespace
 
-std::vector<MetaParameter> MetaParameters(const std::string& method, const MethodOptions& options) {
-  MakePredictor(method, options);  // throws where there is none
-  Parameters all;
-  std::string mean = method;
-  while (mean.size() > 3 && mean.compare(mean.size() - 3, 3, "+gp") == 0)
-    mean.resize(mean.size() - 3);
-  if (mean == "persistence")
-    all.push_back({"persistence.decay_s", [](MethodOptions* o) { return &o->persistence_s; }, true,
-                   1, 0.5, 3600});
-  if (mean == "one-attenuation-a-class")
-    AddTomography(mean, &MethodOptions::one_a_class, options, &all);
-  if (mean == "mrt") AddTomography(mean, &MethodOptions::mrt, options, &all);
-  if (mean == "matte") AddTomography(mean, &MethodOptions::matte, options, &all);
-  if (mean == "fine-mrt") AddTomography(mean, &MethodOptions::fine_mrt, options, &all);
-  if (mean == "mrgp") AddProcess(mean, &MethodOptions::mrgp, options, &all);
-  if (mean == "pair-gp") AddProcess(mean, &MethodOptions::pair_gp, options, &all);
-  if (mean == method) return all;
-  if (mean == "fine-mrt")
-    AddResidual("fine-mrt-gp", &MethodOptions::fine_mrt_gp, options, &all);
-  else
-    AddResidual("gp", &MethodOptions::residual_gp, options, &all);
-  return all;
+std::vector<const SignalSetting*> TunedSettings(const std::string& method,
+                                                const MethodOptions& start,
+                                                const TuneOptions& options) {
+  Settings all = SettingsOf(method, start);
+  if (all.empty()) throw Error(method + " has nothing to tune", ErrorKind::kUsage);
+  if (options.only.empty()) return all;
+  Settings chosen;
+  for (const std::string& name : options.only) {
+    const auto found = std::find_if(all.begin(), all.end(), [&](const SignalSetting* setting) {
+      return setting->name == name;
+    });
+    if (found == all.end())
+      throw Error("tune: " + method + " has no setting " + Quoted(name), ErrorKind::kUsage);
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+double TuneScore(const std::string& method, const std::vector<TrainingLog>& logs,
+                 const MethodOptions& method_options, const TuneOptions& options) {
+  double sum = 0;
+  for (const TrainingLog& training : logs) {
+    try {
+      sum += Score(method, training, method_options, options);
+    } catch (const Error& error) {
+      if (training.name.empty() || error.Kind() == ErrorKind::kUsage) throw;
+      throw Error(training.name + ": " + error.what(), error.Kind());
+    }
+  }
+  return sum / static_cast<double>(logs.size());
 }
 
 TuneResult TuneMethod(const std::string& method, const std::vector<TrainingLog>& logs,
                       const MethodOptions& start, const TuneOptions& options) {
   if (logs.empty()) throw Error("tune: no log to tune on", ErrorKind::kUsage);
   TuneResult result;
-  result.options = start;
-  Parameters all = MetaParameters(method, start);
-  for (const std::string& name : options.only) {
-    const auto found = std::find_if(all.begin(), all.end(),
-                                    [&](const MetaParameter& p) { return p.name == name; });
-    if (found == all.end())
-      throw Error("tune: " + method + " has no parameter " + Quoted(name), ErrorKind::kUsage);
-    result.parameters.push_back(*found);
-  }
-  if (options.only.empty()) result.parameters = std::move(all);
-  if (result.parameters.empty())
-    throw Error("tune: " + method + " has no parameter", ErrorKind::kUsage);
+  result.settings = TunedSettings(method, start, options);
+  const Settings& settings = result.settings;
 
   CompassOptions search;
   search.first_step = options.first_step;
   search.last_step = options.last_step;
   search.max_evaluations = options.max_evaluations;
-  search.threads = options.threads;
   search.state_path = options.state_path;
-  const auto coordinate = [](const MetaParameter& p, double value) {
-    return p.is_log ? std::log2(value) : value / p.step;
-  };
+  if (!options.state_path.empty())
+    search.state_of = Fingerprint(method, logs, start, settings, options);
   std::vector<double> from;
-  for (const MetaParameter& p : result.parameters) {
-    from.push_back(coordinate(p, *p.value(&result.options)));
-    search.lower.push_back(coordinate(p, p.least));
-    search.upper.push_back(coordinate(p, p.most));
+  for (const SignalSetting* setting : settings) {
+    from.push_back(Coordinate(*setting, setting->get(start)));
+    search.scale.push_back(setting->step);
+    search.lower.push_back(Coordinate(*setting, setting->lower));
+    search.upper.push_back(Coordinate(*setting, setting->upper));
   }
-  const auto at = [&](const std::vector<double>& x) {
+  // What was not moved stays as it was given, to the digit.
+  const auto values = [&](std::vector<double> x) {
+    for (std::size_t i = 0; i < x.size(); ++i)
+      x[i] = x[i] == from[i] ? settings[i]->get(start) : Value(*settings[i], x[i]);
+    return x;
+  };
+  const auto with = [&](const std::vector<double>& numbers) {
     MethodOptions there = start;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const MetaParameter& p = result.parameters[i];
-      *p.value(&there) = p.is_log ? std::exp2(x[i]) : x[i] * p.step;
-    }
+    for (std::size_t i = 0; i < numbers.size(); ++i) settings[i]->set(&there, numbers[i]);
     return there;
   };
-  const auto score = [&](const std::vector<double>& x) {
-    const MethodOptions there = at(x);
-    double sum = 0;
-    for (const TrainingLog& training : logs) {
-      const SignalScore all_horizons =
-          Replay(
-              training.log,
-              [&]() -> std::unique_ptr<SignalPredictor> {
-                auto predictor = MakePredictor(method, there);
-                predictor->SetMap(training.map);
-                if (training.maps.empty()) return predictor;
-                return std::make_unique<GrowingMap>(std::move(predictor), training.maps);
-              },
-              options.replay)
-              .all;
-      sum += options.by == TuneBy::kMse ? all_horizons.mse : all_horizons.negative_log_likelihood;
-    }
-    return sum / static_cast<double>(logs.size());
-  };
-  result.search = CompassSearch(score, from, search);
+  if (options.evaluate) {
+    const CompassEvaluate evaluate = [&](const std::vector<std::vector<double>>& points,
+                                         const CompassFound& found) {
+      std::vector<std::vector<double>> numbers;
+      for (const std::vector<double>& point : points) numbers.push_back(values(point));
+      options.evaluate(numbers, found);
+    };
+    result.search = CompassSearch(evaluate, from, search);
+  } else {
+    search.threads = options.threads;
+    result.search = CompassSearch(
+        [&](const std::vector<double>& x) {
+          return TuneScore(method, logs, with(values(x)), options);
+        },
+        from, search);
+  }
   result.before = result.search.start_value;
   result.after = result.search.value;
-  result.options = at(result.search.best);
+  result.search.best = values(result.search.best);
+  result.options = with(result.search.best);
   return result;
 }
 

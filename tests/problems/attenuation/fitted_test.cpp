@@ -180,10 +180,22 @@ TEST(SignalSettings, AreFoundByNameAndKeepWhatWasSet) {
     SetSignalOption(&options, setting.name, value);
     EXPECT_EQ(setting.get(options), value) << setting.name;
   }
-  EXPECT_EQ(options.matte.classes[1].rho_db_per_m, 10);
+  EXPECT_EQ(options.matte.classes[1].rho_db_per_m, 9);
   EXPECT_THROW(SetSignalOption(&options, "matte.lamda", 1), Error);
-  EXPECT_EQ(SettingsOf("matte").size(), 7u);
+}
+
+TEST(SignalSettings, OfAMethodAreThoseThatItDependsOn) {
   EXPECT_EQ(SettingsOf("log-fit").size(), 0u);
+  EXPECT_EQ(SettingsOf("matte").size(), 9u);  // cells, lambda, biases; rho and phi of three classes
+  EXPECT_EQ(SettingsOf("matte+gp").size(), 9u + 7);
+  EXPECT_EQ(SettingsOf("fine-mrt+gp").back()->name, "fine-mrt-gp.noise_db");
+  EXPECT_EQ(SettingsOf("log-fit+gp").back()->name, "gp.noise_db");
+  EXPECT_EQ(SettingsOf("pair-gp").size(), 0u) << "it learns them";
+  EXPECT_EQ(SettingsOf("combined").size(), 9u + 5 + 7 + 7);
+  MethodOptions options;
+  options.matte.bias = RadioBias::kNone;
+  EXPECT_EQ(SettingsOf("matte", options).size(), 8u);
+  EXPECT_THROW(SettingsOf("magic"), Error);
 }
 
 }  // namespace

@@ -235,19 +235,57 @@ TEST(TuneMethod, FindsHowLongResidualsLast) {
   EXPECT_THROW(TuneMethod("persistence", {{log, nullptr}}, start, options), Error);
 }
 
-TEST(MetaParameters, AreThoseOfTheMethodAndItsMean) {
+TEST(TuneMethod, RefusesTheStateOfOtherLogs) {
+  const std::string path = ::testing::TempDir() + "tune_method.state";
+  std::filesystem::remove(path);
+  SignalLog log = TwoDrives();
+  TuneOptions options;
+  options.state_path = path;
+  options.max_evaluations = 3;
+  const TuneResult first = TuneMethod("persistence", {{log, nullptr}}, {}, options);
+  EXPECT_EQ(first.search.evaluations, 3u);
+  EXPECT_EQ(TuneMethod("persistence", {{log, nullptr}}, {}, options).search.evaluations, 0u);
+  log.measurements.back().dbm += 1;
+  EXPECT_THROW(TuneMethod("persistence", {{log, nullptr}}, {}, options), Error);
+  std::filesystem::remove(path);
+}
+
+TEST(TuneMethod, LetsOthersFindTheScores) {
+  const std::vector<TrainingLog> logs = {{TwoDrives(), nullptr}};
+  TuneOptions options;
+  options.max_evaluations = 8;
+  const TuneResult here = TuneMethod("persistence", logs, {}, options);
+  std::size_t asked = 0;
+  options.evaluate = [&](const std::vector<std::vector<double>>& points,
+                         const CompassFound& found) {
+    for (std::size_t i = 0; i < points.size(); ++i, ++asked) {
+      MethodOptions there;
+      here.settings[0]->set(&there, points[i].at(0));
+      found(i, TuneScore("persistence", logs, there, options));
+    }
+  };
+  const TuneResult there = TuneMethod("persistence", logs, {}, options);
+  EXPECT_EQ(asked, here.search.evaluations);
+  EXPECT_EQ(there.search.best, here.search.best);
+  EXPECT_EQ(there.after, here.after);
+}
+
+TEST(TuneMethod, RefusesALogInWhichNothingIsPredicted) {
+  SignalLog log = TwoDrives();
+  log.measurements.resize(1);
+  EXPECT_THROW(TuneMethod("persistence", {{log, nullptr}}, {}, {}), Error);
+}
+
+TEST(SignalSettings, AreWithinTheirBoundsAndUsable) {
   for (const std::string& method : MethodNames())
-    for (const MetaParameter& parameter : MetaParameters(method)) {
-      SCOPED_TRACE(method + " " + parameter.name);
+    for (const SignalSetting* setting : SettingsOf(method)) {
+      SCOPED_TRACE(method + " " + setting->name);
       MethodOptions options;
-      const double value = *parameter.value(&options);
-      EXPECT_GE(value, parameter.least);
-      EXPECT_LE(value, parameter.most);
-      *parameter.value(&options) = parameter.most;
+      EXPECT_GE(setting->get(options), setting->lower);
+      EXPECT_LE(setting->get(options), setting->upper);
+      setting->set(&options, setting->upper);
       EXPECT_NO_THROW(MakePredictor(method, options));
     }
-  EXPECT_GT(MetaParameters("matte+gp").size(), MetaParameters("matte").size());
-  EXPECT_THROW(MetaParameters("magic"), Error);
 }
 
 }  // namespace
