@@ -20,17 +20,6 @@
 namespace graticule::apps {
 namespace {
 
-// AprilCal's.
-Target DefaultTarget() {
-  Target target;
-  target.kind = TargetKind::kTagMosaic;
-  target.columns = 8;
-  target.rows = 6;
-  target.pitch_m = 0.0381;
-  target.family = "tag36h11";
-  return target;
-}
-
 SessionOptions SessionOptionsOf(const CalibrateGuideCommand& command) {
   SessionOptions options;
   options.calibration.model = command.model;
@@ -296,7 +285,7 @@ int Run(const CalibrateGuideCommand& command, const Console& console) {
   if (!command.detections.empty()) ExpectEnding(command.detections, "--detections", {".json"});
   ExpectWritable(command.detections);
   const Registry types = LoadTypes(command.reading);
-  const Target target = command.target.empty() ? DefaultTarget() : ReadTarget(command.target);
+  const Target target = command.target.empty() ? AprilCalMosaic() : ReadTarget(command.target);
   const TargetLayout layout = LayoutOf(target);
   const std::unique_ptr<GuideSource> source = OpenSource(command, target, !command.is_headless);
   GuideSession session(types, layout, source->Size(), SessionOptionsOf(command));

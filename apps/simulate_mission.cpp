@@ -79,7 +79,7 @@ Json WriteSignal(const SimulatedMission& simulated, const SimulateMissionCommand
 void WriteCameras(const std::vector<std::string>& robots, const SimulateMissionCommand& command,
                   const OutputFolder& folder, const OutputFolder& truth, const Console& console) {
   const OutputFolder cameras(folder.Of("cameras"));
-  const Target target = TownTarget();
+  const Target target = AprilCalMosaic(8, 6, 0.05);
   WriteTarget(cameras.Of("target.yaml"), target);
   for (std::size_t robot = 0; robot < robots.size(); ++robot) {
     console.Progress(fmt::format("pictures of {}'s camera", robots[robot]));

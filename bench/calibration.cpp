@@ -68,7 +68,7 @@ void SixtyCandidates(benchmark::State& state) {
   const SimulatedDetections s = Frames(static_cast<std::size_t>(state.range(0)), 150);
   const Posterior posterior = ComputePosterior(s.detections, s.truth, {}, {});
   const Camera camera(s.truth.cameras[0]);
-  const TargetLayout target = MosaicLayout();
+  const TargetLayout target = LayoutOf(AprilCalMosaic());
   std::size_t seen = 0;
   for (auto _ : state)
     seen = ScoreCandidates(camera, target, posterior.information, posterior.scales, {}).size();
@@ -81,7 +81,7 @@ void BestPose(benchmark::State& state) {
   const SimulatedDetections s = Frames(10, 150);
   const Posterior posterior = ComputePosterior(s.detections, s.truth, {}, {});
   const Camera camera(s.truth.cameras[0]);
-  const TargetLayout target = MosaicLayout();
+  const TargetLayout target = LayoutOf(AprilCalMosaic());
   for (auto _ : state)
     benchmark::DoNotOptimize(
         SuggestPose(camera, target, posterior.information, posterior.scales, {})->max_ere_px);

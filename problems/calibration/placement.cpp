@@ -43,21 +43,6 @@ double ShortestEdge(const DetectedCorner* corners, std::size_t count) {
 Eigen::Vector3d TargetLayout::Centre() const { return BoxOf(*this).center(); }
 double TargetLayout::Width() const { return BoxOf(*this).sizes().maxCoeff(); }
 
-TargetLayout MosaicLayout(int columns, int rows, double pitch_m) {
-  if (columns < 1 || rows < 1 || !(pitch_m > 0))
-    throw Error("mosaic: expected columns, rows and a pitch above zero", ErrorKind::kUsage);
-  TargetLayout target;
-  const double edge = 0.8 * pitch_m;
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column)
-      for (int i = 0; i < 4; ++i) {
-        const double right = i == 1 || i == 2 ? edge : 0, down = i >= 2 ? edge : 0;
-        target.corners.push_back({static_cast<int>(target.corners.size()),
-                                  {column * pitch_m + right, row * pitch_m + down, 0}});
-      }
-  return target;
-}
-
 TargetLayout LayoutOf(const Target& target) {
   TargetLayout layout;
   layout.corners = CornersOf(target);

@@ -24,11 +24,6 @@ struct TargetLayout {
   double Width() const;            ///< [m], the larger side of the bounding box
 };
 
-/// A mosaic of square tags in rows, pitch [m] from one to the next; a tag is 0.8 of its pitch wide
-/// (tag36h11: 8 cells of 10).  Corner 4 t + i of tag t, row by row; i clockwise from the upper
-/// left.
-TargetLayout MosaicLayout(int columns = 8, int rows = 6, double pitch_m = 0.0381);
-
 /// A target as its description has it.
 TargetLayout LayoutOf(const Target& target);
 

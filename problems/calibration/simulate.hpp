@@ -53,7 +53,7 @@ void AddPixelNoise(double sigma_px, RandomNumbers& random, std::vector<DetectedC
 
 struct CalibrationSimulation {
   CameraIntrinsics camera;
-  TargetLayout target = MosaicLayout();
+  TargetLayout target = LayoutOf(AprilCalMosaic());
   std::array<double, 3> warp = {};  ///< xx yy xy [1/m]: a bent board
   double sigma_px = 0.1;
   Detectability detectability;

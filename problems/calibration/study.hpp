@@ -19,7 +19,7 @@ struct StudyOptions {
   StudyLens lens;
   Strategy strategy = Strategy::kSuggestions;
   SessionOptions session;
-  TargetLayout target = MosaicLayout();
+  TargetLayout target = LayoutOf(AprilCalMosaic());
   std::array<double, 3> warp = {};  ///< of the target they hold [1/m]
   double sigma_px = 0.2;
   HandNoise hands;

@@ -75,6 +75,16 @@ std::vector<TargetMarker> MarkersOf(const Target& target) {
   return markers;
 }
 
+Target AprilCalMosaic(int columns, int rows, double pitch_m) {
+  Target target;
+  target.kind = TargetKind::kTagMosaic;
+  target.columns = columns;
+  target.rows = rows;
+  target.pitch_m = pitch_m;
+  target.family = "tag36h11";
+  return target;
+}
+
 std::vector<TargetCorner> CornersOf(const Target& target) {
   std::vector<TargetCorner> corners;
   if (target.kind == TargetKind::kChessboard || target.kind == TargetKind::kCharuco) {

@@ -31,6 +31,9 @@ struct Target {
   int stride = 24;         ///< mosaic: from a tag's id to that of the one below it
 };
 
+/// A mosaic of tag36h11; by default AprilCal's, 1.5 inches from a tag to the next.
+Target AprilCalMosaic(int columns = 8, int rows = 6, double pitch_m = 0.0381);
+
 /// A corner that can be measured.
 struct TargetCorner {
   int id = 0;

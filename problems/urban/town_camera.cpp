@@ -12,16 +12,6 @@ enum Stream : std::uint64_t { kCameras = 101, kHands = 1001, kPixels = 2001 };
 
 }  // namespace
 
-Target TownTarget() {
-  Target target;
-  target.kind = TargetKind::kTagMosaic;
-  target.columns = 8;
-  target.rows = 6;
-  target.pitch_m = 0.05;
-  target.family = "tag36h11";
-  return target;
-}
-
 CameraIntrinsics TownCamera(std::size_t robot, std::uint64_t seed) {
   CameraIntrinsics camera = StudyLenses()[4].camera;
   RandomNumbers random(seed, kCameras + robot);

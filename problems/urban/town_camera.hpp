@@ -11,9 +11,6 @@
 
 namespace graticule {
 
-/// The target that the robots' cameras are calibrated with: 8 x 6 tags.
-Target TownTarget();
-
 /// The camera of a robot: all are of one make (121 degrees, after a lens of the thesis'
 /// Figure 5.8), and no two alike.
 CameraIntrinsics TownCamera(std::size_t robot, std::uint64_t seed);

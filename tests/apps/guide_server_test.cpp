@@ -26,15 +26,6 @@ using Json = nlohmann::json;
 
 constexpr const char* kButton = "X-Graticule: 1\r\n";
 
-Target Mosaic() {
-  Target target;
-  target.columns = 8;
-  target.rows = 6;
-  target.pitch_m = 0.0381;
-  target.family = "tag36h11";
-  return target;
-}
-
 int PortOf(const std::string& url) {
   return std::stoi(url.substr(url.find(':', url.find("//") + 2) + 1));
 }
@@ -42,7 +33,7 @@ int PortOf(const std::string& url) {
 // A session without frames, its page, and which buttons were pressed.
 struct Page {
   CameraIntrinsics lens = StudyLenses()[2].camera;
-  TargetLayout layout = LayoutOf(Mosaic());
+  TargetLayout layout = LayoutOf(AprilCalMosaic());
   ImageSize image{"cam0", lens.width, lens.height};
   GuideSession session{Builtins(), layout, image, {}};
   LiveBoard board;
@@ -231,12 +222,12 @@ TEST(GuideServer, SaysWhereItCannotListen) {
 TEST(GuideServer, ShowsASessionFromItsStartToItsEnd) {
   CalibrateGuideCommand command;
   command.simulate = "images";
-  const std::unique_ptr<GuideSource> source = OpenSource(command, Mosaic(), false);
-  const TargetLayout layout = LayoutOf(Mosaic());
+  const std::unique_ptr<GuideSource> source = OpenSource(command, AprilCalMosaic(), false);
+  const TargetLayout layout = LayoutOf(AprilCalMosaic());
   const ImageSize image = source->Size();
   GuideSession session(Builtins(), layout, image, {});
   LiveBoard board;
-  GuideLoop loop(source.get(), &session, &board, Mosaic(), {});
+  GuideLoop loop(source.get(), &session, &board, AprilCalMosaic(), {});
   GuideServer server(
       Page::Options("127.0.0.1"), session, &board, layout, image,
       {[&] { loop.CaptureNow(); }, [&] { session.RemoveLast(); }, [] {}, [] {}, [] {}});

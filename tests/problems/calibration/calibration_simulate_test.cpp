@@ -62,7 +62,7 @@ TEST(CalibrationSimulate, NoiseIsAsLargeAsItSays) {
 }
 
 TEST(CalibrationSimulate, PlacesATargetWhereAndAsLargeAsItWasAsked) {
-  const TargetLayout target = MosaicLayout();
+  const TargetLayout target = LayoutOf(AprilCalMosaic());
   for (const CameraIntrinsics& lens : testing::Lenses()) {
     const Camera camera(lens);
     Placement placement;
@@ -88,7 +88,7 @@ TEST(CalibrationSimulate, PlacesATargetWhereAndAsLargeAsItWasAsked) {
 }
 
 TEST(CalibrationSimulate, SeesTagsWholeOrNotAtAllAndNeverFromBehind) {
-  const TargetLayout target = MosaicLayout();
+  const TargetLayout target = LayoutOf(AprilCalMosaic());
   const Camera camera(StudyLenses()[0].camera);
   Placement placement;
   placement.across = .05;

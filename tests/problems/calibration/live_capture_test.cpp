@@ -95,7 +95,7 @@ TEST(LiveCapture, MeasuresSharpnessWhereTheTargetIs) {
 
 TEST(SimulatedPerson, BringsTheTargetWhereItIsSuggestedAndHoldsIt) {
   const Camera truth(StudyLenses()[2].camera);
-  const TargetLayout target = MosaicLayout();
+  const TargetLayout target = LayoutOf(AprilCalMosaic());
   SimulatedPerson person(truth, target);
   const auto suggestion = SuggestFirstPose(truth, target, 0, {});
   ASSERT_TRUE(suggestion);

@@ -14,7 +14,7 @@ using Moves = std::vector<TargetMove>;
 // A suggestion in front of a known camera, and what is said of a target that is held otherwise.
 struct Asked {
   Camera camera{StudyLenses()[2].camera};
-  TargetLayout target = MosaicLayout();
+  TargetLayout target = LayoutOf(AprilCalMosaic());
   Placement placement;
   Suggestion suggestion;
 

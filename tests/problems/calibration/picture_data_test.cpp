@@ -131,7 +131,7 @@ TEST(PictureData, FindsTheBendOfABoard) {
   const Known known(simulation, Person::kNovice);
   const auto board = DescribeBoard(known.simulated.detections, known.simulated.truth);
   ASSERT_TRUE(board);
-  EXPECT_EQ(board->corners.size(), MosaicLayout().corners.size());
+  EXPECT_EQ(board->corners.size(), LayoutOf(AprilCalMosaic()).corners.size());
   // Heights 0.3 x^2, without their plane: as far from the ends to the middle as before.
   double low = HUGE_VAL, high = -HUGE_VAL, left = HUGE_VAL, right = -HUGE_VAL;
   for (const BoardPicture::Corner& corner : board->corners) {
@@ -147,7 +147,7 @@ TEST(PictureData, FindsTheBendOfABoard) {
 }
 
 TEST(PictureData, MakesQuadsOfTagsAndSquares) {
-  const TargetLayout mosaic = MosaicLayout(3, 2);
+  const TargetLayout mosaic = LayoutOf(AprilCalMosaic(3, 2));
   std::vector<DetectedCorner> corners;
   for (const TargetCorner& corner : mosaic.corners)
     corners.push_back({corner.id, corner.in_target, {corner.in_target[0], corner.in_target[1]}});

@@ -25,7 +25,7 @@ Problem OneCamera(const CameraIntrinsics& lens, Person person = Person::kRosRule
                   std::size_t frames = 11) {
   CalibrationSimulation simulation;
   simulation.camera = lens;
-  simulation.target = MosaicLayout(4, 3, .08);
+  simulation.target = LayoutOf(AprilCalMosaic(4, 3, .08));
   auto simulated = SimulateDetections(simulation, person, frames);
   return {std::move(simulated.detections), std::move(simulated.truth)};
 }
@@ -46,7 +46,7 @@ Problem Rig() {
     problem.detections.views.push_back(
         {"right", 1, e,
          VisibleCorners(
-             camera, MosaicLayout(4, 3, .08),
+             camera, LayoutOf(AprilCalMosaic(4, 3, .08)),
              PoseOf(IsometryOf(second_from_rig) * IsometryOf(*problem.state.rig_from_target[e])))});
   return problem;
 }
@@ -113,7 +113,7 @@ TEST(Posterior, EqualsTheGraphsMarginalsForBentAndFreeBoards) {
   problem.state.warp = {};
   options.board = BoardShape::kFree;
   options.corner_sigma_m = .001;
-  for (const TargetCorner& corner : MosaicLayout(4, 3, .08).corners)
+  for (const TargetCorner& corner : LayoutOf(AprilCalMosaic(4, 3, .08)).corners)
     problem.state.corners[corner.id] = {corner.in_target[0], corner.in_target[1] + 1e-4, 2e-4};
   ExpectTheGraphsMarginals(problem, options);
 }
@@ -159,7 +159,7 @@ TEST(Posterior, NamesWhatFrontParallelViewsDoNotConstrain) {
     pose[2] = .5 + .1 * static_cast<double>(i);
     problem.state.rig_from_target[i] = pose;
     problem.detections.views.push_back(
-        {"", 0, i, VisibleCorners(camera, MosaicLayout(4, 3, .08), pose)});
+        {"", 0, i, VisibleCorners(camera, LayoutOf(AprilCalMosaic(4, 3, .08)), pose)});
   }
   const Posterior posterior = ComputePosterior(problem.detections, problem.state, {}, {});
   EXPECT_FALSE(posterior.Constrained());

@@ -13,15 +13,6 @@
 namespace graticule {
 namespace {
 
-Target Mosaic() {
-  Target target;
-  target.columns = 8;
-  target.rows = 6;
-  target.pitch_m = 0.0381;
-  target.family = "tag36h11";
-  return target;
-}
-
 struct Found {
   std::size_t seen = 0, visible = 0;
   double rms_px = 0, right_px = 0, down_px = 0;  // of detected - true
@@ -66,7 +57,7 @@ Found Detected(const Target& target, const CameraIntrinsics& lens, const RenderO
 
 TEST(Render, ShowsTagsWhereTheModelSays) {
   for (const std::size_t lens : {0u, 3u}) {
-    const Found found = Detected(Mosaic(), StudyLenses()[lens].camera, {});
+    const Found found = Detected(AprilCalMosaic(), StudyLenses()[lens].camera, {});
     EXPECT_GT(found.seen, found.visible * 95 / 100) << lens;
     EXPECT_LT(found.rms_px, .25) << lens;  // of libapriltag on mosaics (CALIBRATION.md: .15 - .21)
     EXPECT_NEAR(found.right_px, 0, .05) << lens;
@@ -90,7 +81,7 @@ TEST(Render, ShowsChessboardsToAHundredthOfAPixel) {
 }
 
 TEST(Render, ShowsGridsWhoseRowsRunUp) {
-  Target grid = Mosaic();
+  Target grid = AprilCalMosaic();
   grid.kind = TargetKind::kAprilGrid;
   grid.columns = grid.rows = 6;
   grid.pitch_m = .055;
@@ -104,7 +95,7 @@ TEST(Render, ShowsGridsWhoseRowsRunUp) {
 
 TEST(Render, HasTheSameShadesForTheSameSeed) {
   const Camera camera(StudyLenses()[2].camera);
-  const Target target = Mosaic();
+  const Target target = AprilCalMosaic();
   const TargetRenderer renderer(target, camera);
   const auto pose = PlaceTarget(camera, LayoutOf(target), {});
   RandomNumbers a(3), b(3), c(4);
@@ -120,7 +111,8 @@ TEST(Render, HasTheNoiseAndTheBlurThatWereAskedFor) {
   plain.blur_px = 0;
   plain.noise = 5;
   RandomNumbers random(1);
-  const GreyImage wall = TargetRenderer(Mosaic(), camera, plain).Render(std::nullopt, &random);
+  const GreyImage wall =
+      TargetRenderer(AprilCalMosaic(), camera, plain).Render(std::nullopt, &random);
   double sum = 0, squares = 0;
   for (const std::uint8_t shade : wall.shades) {
     sum += shade;
@@ -134,8 +126,9 @@ TEST(Render, HasTheNoiseAndTheBlurThatWereAskedFor) {
     RenderOptions options;
     options.noise = 0;
     options.blur_px = blur_px;
-    const GreyImage image = TargetRenderer(Mosaic(), camera, options)
-                                .Render(PlaceTarget(camera, LayoutOf(Mosaic()), {}), &random);
+    const GreyImage image =
+        TargetRenderer(AprilCalMosaic(), camera, options)
+            .Render(PlaceTarget(camera, LayoutOf(AprilCalMosaic()), {}), &random);
     double steps = 0;
     for (std::size_t i = 1; i < image.shades.size(); ++i)
       steps += std::pow(image.shades[i] - image.shades[i - 1], 2);
@@ -148,16 +141,16 @@ TEST(Render, ShowsNothingFromBehindAndRefusesWhatIsNoTarget) {
   const Camera camera(StudyLenses()[2].camera);
   RenderOptions clean;
   clean.noise = 0;
-  const TargetRenderer renderer(Mosaic(), camera, clean);
+  const TargetRenderer renderer(AprilCalMosaic(), camera, clean);
   RandomNumbers random(1);
-  Se3Array behind = *PlaceTarget(camera, LayoutOf(Mosaic()), {});
+  Se3Array behind = *PlaceTarget(camera, LayoutOf(AprilCalMosaic()), {});
   behind = PoseOf(IsometryOf(behind) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()));
   EXPECT_EQ(renderer.Render(behind, &random).shades, renderer.Render(std::nullopt, &random).shades);
-  Target none = Mosaic();
+  Target none = AprilCalMosaic();
   none.columns = 0;
   EXPECT_THROW(TargetRenderer(none, camera), Error);
   clean.rays = 0;
-  EXPECT_THROW(TargetRenderer(Mosaic(), camera, clean), Error);
+  EXPECT_THROW(TargetRenderer(AprilCalMosaic(), camera, clean), Error);
 }
 
 }  // namespace

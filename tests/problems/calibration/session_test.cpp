@@ -15,7 +15,7 @@ namespace {
 // A person who holds the target where it is suggested, in front of a known camera.
 struct Guided {
   Camera truth;
-  TargetLayout target = MosaicLayout();
+  TargetLayout target = LayoutOf(AprilCalMosaic());
   CalibrationSession session;
   RandomNumbers random{11};
 
@@ -130,10 +130,11 @@ TEST(Session, TakesABoardAsFree) {
 
 TEST(Session, RefusesWhatItCannotWorkWith) {
   EXPECT_THROW(CalibrationSession(Builtins(), {}, {"", 640, 480}), Error);
-  EXPECT_THROW(CalibrationSession(Builtins(), MosaicLayout(), {"", 0, 480}), Error);
+  EXPECT_THROW(CalibrationSession(Builtins(), LayoutOf(AprilCalMosaic()), {"", 0, 480}), Error);
   SessionOptions options;
   options.calibration.model = "angular9";
-  EXPECT_THROW(CalibrationSession(Builtins(), MosaicLayout(), {"", 640, 480}, options), Error);
+  EXPECT_THROW(CalibrationSession(Builtins(), LayoutOf(AprilCalMosaic()), {"", 640, 480}, options),
+               Error);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST(Study, HasTheSameDigitsWithAnyNumberOfThreads) {
 
 TEST(Study, FindsNoErrorInTheTruth) {
   const CameraIntrinsics truth = StudyLenses()[2].camera;
-  const SimulatedDetections test_set = TestSet(truth, MosaicLayout());
+  const SimulatedDetections test_set = TestSet(truth, LayoutOf(AprilCalMosaic()));
   EXPECT_EQ(test_set.detections.views.size(), 60u);
   const auto error_of = [&](const CameraIntrinsics& camera) {
     CalibrationState state = test_set.truth;

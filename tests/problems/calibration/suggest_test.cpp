@@ -75,7 +75,7 @@ TEST(Suggest, RefinesTheBestCandidate) {
 
 TEST(Suggest, KnowsWhatToDoBeforeAnythingIsKnown) {
   const Camera camera(GuessedCamera({"cam0", 640, 480}));
-  const TargetLayout target = MosaicLayout();
+  const TargetLayout target = LayoutOf(AprilCalMosaic());
   const auto first = SuggestFirstPose(camera, target, 0, {});
   const auto second = SuggestFirstPose(camera, target, 1, {});
   ASSERT_TRUE(first && second);
