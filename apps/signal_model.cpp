@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_document.hpp"
 #include "graticule/io/problem_file.hpp"
 #include "graticule/io/text.hpp"
 #include "graticule/problems/attenuation/log_fit.hpp"
@@ -30,38 +30,57 @@ Json ClassesJson(const TomographyOptions& options) {
   return classes;
 }
 
-FittedModel ModelOf(const Json& json, const Graph& graph) {
-  FittedModel model;
-  TomographyOptions& options = model.options;
-  options.name = json.at("method").get<std::string>();
+constexpr long kMost = 1 << 30;  // cells a side, or radios
+
+std::vector<std::string> RadiosOf(const JsonPlace& list) {
+  std::vector<std::string> radios;
+  for (std::size_t i = 0; i < list.Size(); ++i) radios.push_back(list.At(i).Text());
+  return radios;
+}
+
+TomographyOptions OptionsOf(const JsonPlace& json) {
+  TomographyOptions options;
+  options.name = json["method"].Text();
   options.classes.clear();
-  for (const Json& c : json.at("classes"))
-    options.classes.push_back({c.at("name").get<std::string>(), c.at("rho_db_per_m").get<double>(),
-                               c.at("phi").get<double>()});
-  options.class_of = json.at("class_of").get<std::array<std::uint8_t, 3>>();
-  options.uses_map = json.at("uses_map").get<bool>();
-  options.cell_m = json.at("cell_m").get<double>();
-  options.near_m = json.at("near_m").get<double>();
-  options.outside_m = json.at("outside_m").get<double>();
-  options.sigma_db = json.at("sigma_db").get<double>();
-  options.correlation = json.at("correlation").get<double>();
-  options.bias_sigma_db = json.at("bias_sigma_db").get<double>();
-  const std::string bias = json.at("bias").get<std::string>();
+  const JsonPlace classes = json["classes"];
+  for (std::size_t i = 0; i < classes.Size(); ++i) {
+    const JsonPlace c = classes.At(i);
+    options.classes.push_back({c["name"].Text(), c["rho_db_per_m"].Number(), c["phi"].Number()});
+  }
+  const JsonPlace class_of = json["class_of"];
+  class_of.OfSize(options.class_of.size());
+  for (std::size_t i = 0; i < options.class_of.size(); ++i)
+    options.class_of[i] = static_cast<std::uint8_t>(class_of.At(i).Integer(0, 255));
+  options.uses_map = json["uses_map"].Flag();
+  options.cell_m = json["cell_m"].Number();
+  options.near_m = json["near_m"].Number();
+  options.outside_m = json["outside_m"].Number();
+  options.sigma_db = json["sigma_db"].Number();
+  options.correlation = json["correlation"].Number();
+  options.bias_sigma_db = json["bias_sigma_db"].Number();
+  const std::string bias = json["bias"].Text();
   options.bias = bias == "none"    ? RadioBias::kNone
                  : bias == "radio" ? RadioBias::kRadio
                                    : RadioBias::kEnds;
   options.Check();
-  model.layout.bias = options.bias;
-  model.layout.radios = json.at("radios_in_graph").get<std::uint32_t>();
-  const auto x0 = json.at("cells").at("x0").get<std::int64_t>();
-  const auto y0 = json.at("cells").at("y0").get<std::int64_t>();
-  const auto columns = json.at("cells").at("columns").get<std::int64_t>();
+  return options;
+}
+
+FittedModel ModelOf(const JsonPlace& json, const Graph& graph) {
+  FittedModel model;
+  model.options = OptionsOf(json);
+  model.layout.bias = model.options.bias;
+  model.layout.radios = static_cast<std::uint32_t>(json["radios_in_graph"].Integer(0, kMost));
+  const JsonPlace cells = json["cells"];
+  const long x0 = cells["x0"].Integer(-kMost, kMost);
+  const long y0 = cells["y0"].Integer(-kMost, kMost);
+  const long columns = cells["columns"].Integer(0, kMost);
   for (VariableId id = 0; id < graph.VariableCount(); ++id) {
     const Key& key = graph.KeyOf(id);
-    for (std::size_t c = 0; c < options.classes.size(); ++c) {
-      if (key.Family() != "cell_" + options.classes[c].name) continue;
-      if (columns < 1 || key.Number() > 1u << 30) throw Error("cells are not numbered by rows");
-      const auto number = static_cast<std::int64_t>(key.Number());
+    for (std::size_t c = 0; c < model.options.classes.size(); ++c) {
+      if (key.Family() != "cell_" + model.options.classes[c].name) continue;
+      if (columns < 1 || key.Number() >= kMost) cells.Fail("cells are not numbered by rows");
+      const auto number = static_cast<long>(key.Number());
       model.layout.cells.push_back({static_cast<std::uint32_t>(c),
                                     static_cast<std::int32_t>(x0 + number % columns),
                                     static_cast<std::int32_t>(y0 + number / columns)});
@@ -71,33 +90,31 @@ FittedModel ModelOf(const Json& json, const Graph& graph) {
   return model;
 }
 
+[[noreturn]] void AskForMap(const std::string& method) {
+  throw Error("--map: the model's method, " + method + ", predicts through a map",
+              ErrorKind::kUsage);
+}
+
 SignalModel GraphModel(const std::string& path, const std::string& text,
                        const std::shared_ptr<const OccupancyGrid>& map) {
   const Recording recording = ParseRecording(text, path, Builtins());
-  const Json json = Json::parse(recording.report, nullptr, false);
-  if (!json.is_object() || json.value("schema", "") != kSchema)
-    throw Error(path +
-                ": a recorded problem, but no signal model: `graticule signal fit` writes "
-                "them");
+  const std::string no_model =
+      path + ": a recorded problem, but no signal model: `graticule signal fit` writes them";
+  if (recording.report.empty()) throw Error(no_model);
+  const JsonDocument report(recording.report, path + ": report");
+  const JsonPlace json = report.Root();
+  if (!json.Has("schema") || !json["schema"].IsText() || json["schema"].Text() != kSchema)
+    throw Error(no_model);
   if (recording.solved_by.empty()) throw Error(path + ": the model is not solved");
+  FittedModel fitted = ModelOf(json, recording.graph);
   SignalModel model;
-  try {
-    FittedModel fitted = ModelOf(json, recording.graph);
-    model.method = fitted.options.name;
-    model.radios = json.at("radios").get<std::vector<std::string>>();
-    if (fitted.options.uses_map && !map)
-      throw Error("--map: the model's method, " + model.method + ", predicts through a map",
-                  ErrorKind::kUsage);
-    auto predictor = std::make_unique<FittedTomography>(recording.graph, std::move(fitted));
-    model.noise_db = predictor->SigmaDb();
-    model.fitted = predictor.get();
-    model.predictor = std::move(predictor);
-  } catch (const nlohmann::json::exception& exception) {
-    throw Error(path + ": not a whole signal model: " + exception.what());
-  } catch (const Error& error) {
-    if (error.Kind() == ErrorKind::kUsage) throw;
-    throw Error(path + ": " + error.what(), error.Kind());
-  }
+  model.method = fitted.options.name;
+  model.radios = RadiosOf(json["radios"]);
+  if (fitted.options.uses_map && !map) AskForMap(model.method);
+  auto predictor = std::make_unique<FittedTomography>(recording.graph, std::move(fitted));
+  model.noise_db = predictor->SigmaDb();
+  model.fitted = predictor.get();
+  model.predictor = std::move(predictor);
   return model;
 }
 
@@ -114,41 +131,65 @@ double NoiseOf(const std::string& method, const MethodOptions& options,
   return method == "persistence" ? options.residual_gp.noise_db : TomographyOptions().sigma_db;
 }
 
+// The heading; the reader is then behind the word that the log begins after.
+void ReadHeading(TextReader* reader, SignalModel* model, MethodOptions* options) {
+  reader->NextLine();  // the kind of file
+  while (reader->NextLine()) {
+    const std::string word(reader->Word("a word of the model's heading"));
+    if (word == "log") {
+      reader->ExpectEnd();
+      if (model->method.empty()) reader->Fail("the model's heading names no method");
+      return;
+    }
+    if (word == "method") {
+      model->method = std::string(reader->Word("the method"));
+    } else {
+      const double value = reader->Double("an option's value");
+      try {
+        SetSignalOption(options, word, value);
+      } catch (const Error& error) {
+        reader->Fail(error.what());
+      }
+    }
+    reader->ExpectEnd();
+  }
+  reader->FailAt(reader->Size(), "the model ends before its log");
+}
+
 SignalModel MeasuredModel(const std::string& path, const std::string& text,
                           const std::shared_ptr<const OccupancyGrid>& map) {
   TextReader reader(text, path);
   MethodOptions options;
   SignalModel model;
-  std::size_t lines = 0;
-  while (reader.NextLine()) {
-    ++lines;
-    if (lines == 1) continue;  // the heading
-    const std::string word(reader.Word("a word of the model's heading"));
-    if (word == "log") break;
-    if (word == "method")
-      model.method = std::string(reader.Word("the method"));
-    else
-      SetSignalOption(&options, word, reader.Double("an option's value"));
-  }
-  if (model.method.empty()) throw Error(path + ": the model's heading names no method");
+  ReadHeading(&reader, &model, &options);
   // The log begins on the line after; its messages name lines of the file.
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < lines && begin != std::string::npos; ++i)
-    begin = text.find('\n', begin + (i > 0));
-  if (begin == std::string::npos) throw Error(path + ": the model ends before its log");
-  const std::string blanks(lines, '\n');
-  const SignalLog log = ParseSignalLog(blanks + text.substr(begin + 1), path);
+  const std::size_t begin = std::min(text.find('\n', reader.Offset()), text.size());
+  const std::string blanks(reader.LineNumber(reader.LineOffset()), '\n');
+  const SignalLog log =
+      ParseSignalLog(blanks + text.substr(std::min(begin + 1, text.size())), path);
   model.radios = log.radios;
   model.predictor = MakePredictor(model.method, options);
-  if (NeedsMap(model.method) && !map)
-    throw Error("--map: the model's method, " + model.method + ", predicts through a map",
-                ErrorKind::kUsage);
+  if (NeedsMap(model.method) && !map) AskForMap(model.method);
   if (UsesMap(model.method)) model.predictor->SetMap(map);
   model.predictor->AddMeasurements(log.measurements);
   if (!log.measurements.empty()) model.now_s = log.measurements.back().link.time_s;
   model.predictor->Update(model.now_s);
   model.noise_db = NoiseOf(model.method, options, *model.predictor);
   return model;
+}
+
+// What is wrong with a model is wrong with its file, not with how the program was called; but a map
+// that is missing is.
+template <class Parse>
+SignalModel OfFile(const std::string& path, const Parse& parse) {
+  try {
+    return parse();
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    if (what.rfind("--map", 0) == 0 || what.rfind(path + ":", 0) == 0) throw;
+    throw Error(path + ": " + what,
+                error.Kind() == ErrorKind::kUsage ? ErrorKind::kInput : error.Kind());
+  }
 }
 
 }  // namespace
@@ -160,12 +201,17 @@ std::uint32_t SignalModel::RadioOf(const std::string& name) const {
 
 SignalModel LoadSignalModel(const std::string& path, const std::string& map_path) {
   const std::string text = ReadFile(path);
-  const std::shared_ptr<const OccupancyGrid> map = LoadMap(map_path);
-  if (text.compare(0, kMeasured.size(), kMeasured) == 0) return MeasuredModel(path, text, map);
+  return ParseSignalModel(text, path, LoadMap(map_path));
+}
+
+SignalModel ParseSignalModel(const std::string& text, const std::string& path,
+                             const std::shared_ptr<const OccupancyGrid>& map) {
+  if (text.compare(0, kMeasured.size(), kMeasured) == 0)
+    return OfFile(path, [&] { return MeasuredModel(path, text, map); });
   if (text.compare(0, 17, "graticule-problem") != 0)
     throw Error(path, 1, 1,
                 "expected a signal model: 'graticule-problem' or 'graticule-signal-model'");
-  SignalModel model = GraphModel(path, text, map);
+  SignalModel model = OfFile(path, [&] { return GraphModel(path, text, map); });
   if (map) model.predictor->SetMap(map);
   return model;
 }

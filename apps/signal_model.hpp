@@ -27,6 +27,9 @@ struct SignalModel {
 
 /// Throws Error: a file that is no model, a map that is needed and not given (kUsage).
 SignalModel LoadSignalModel(const std::string& path, const std::string& map);
+/// The same of the file's text; `map` may be null.
+SignalModel ParseSignalModel(const std::string& text, const std::string& path,
+                             const std::shared_ptr<const OccupancyGrid>& map);
 
 /// The line that a model's recording carries, in `report`.
 std::string ModelLine(const FittedModel& model, const std::vector<std::string>& radios);

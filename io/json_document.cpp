@@ -72,6 +72,11 @@ long JsonPlace::Integer(long least, long most) const {
   return static_cast<long>(number);
 }
 
+bool JsonPlace::Flag() const {
+  if (!Of(value_).is_boolean()) FailExpected("true or false");
+  return Of(value_).get<bool>();
+}
+
 std::string JsonPlace::Text() const {
   if (!Of(value_).is_string()) FailExpected("a text");
   return Of(value_).get<std::string>();

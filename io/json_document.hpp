@@ -30,6 +30,7 @@ class JsonPlace {
   double Number() const;  ///< finite
   /// A whole number in a range.
   long Integer(long least, long most) const;
+  bool Flag() const;  ///< true or false
   std::string Text() const;
 
   [[noreturn]] void Fail(const std::string& message) const;

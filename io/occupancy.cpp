@@ -78,7 +78,8 @@ class MapFile {
   }
   std::string Mode() const { return root_["mode"] ? Text("mode") : "trinary"; }
   [[noreturn]] void RefuseValue(const char* name, const std::string& why) const {
-    Refuse(root_[name].Mark(), why);
+    const YAML::Node node = root_[name];
+    Refuse(node ? node.Mark() : root_.Mark(), why);  // what is not there has no place
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <unordered_set>
 
 #include "graticule/solver/error.hpp"
 
@@ -61,7 +62,6 @@ class Reader {
   void ReadGraph() {
     const std::uint32_t present = Count("the number of nodes present", 0);
     const std::uint32_t count = Count("the number of poses", 0);
-    if (seen_.empty()) seen_.resize(sequence_.nodes, 0);
     for (std::uint32_t i = 0; i < count; ++i) {
       PoseSequence::Pose pose;
       pose.node = Word("a node");
@@ -72,13 +72,12 @@ class Reader {
       pose.world_from_robot.x = Coordinate("the x of a node");
       pose.world_from_robot.y = Coordinate("the y of a node");
       pose.world_from_robot.yaw = Coordinate("the yaw of a node");
-      present_ += !seen_[pose.node];
-      seen_[pose.node] = 1;
+      seen_.insert(pose.node);
       sequence_.poses.push_back(pose);
     }
-    if (present != present_)
+    if (present != seen_.size())
       Fail("the graph says that it has " + std::to_string(present) + " nodes, but poses of " +
-           std::to_string(present_) + " came");
+           std::to_string(seen_.size()) + " came");
     sequence_.ends.push_back(sequence_.poses.size());
   }
 
@@ -86,8 +85,8 @@ class Reader {
   const std::string& name_;
   std::size_t at_ = 0;
   PoseSequence sequence_;
-  std::vector<char> seen_;
-  std::uint32_t present_ = 0;
+  // As large as what came, not as what the file only says will come.
+  std::unordered_set<std::uint32_t> seen_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "graticule/io/signal_pairs.hpp"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "graticule/io/csv_table.hpp"
 #include "graticule/io/file.hpp"
@@ -24,13 +25,14 @@ SignalLog ParseSignalPairs(std::string_view text, const std::string& name) {
   SignalLog log;
   log.has_time = time != kNone;
   log.has_height = rx_z != kNone || tx_z != kNone;
+  std::unordered_map<std::string, std::uint32_t> radios;
   const auto radio = [&](std::size_t column, const char* nameless) {
     const std::string word(column == kNone ? nameless : table.Cell(column));
     if (word.empty()) table.Fail(column, "expected the name of a radio, found nothing");
-    const auto found = std::find(log.radios.begin(), log.radios.end(), word);
-    const auto number = static_cast<std::uint32_t>(found - log.radios.begin());
-    if (found == log.radios.end()) log.radios.push_back(word);
-    return number;
+    const auto [found, is_new] =
+        radios.emplace(word, static_cast<std::uint32_t>(log.radios.size()));
+    if (is_new) log.radios.push_back(word);
+    return found->second;
   };
   while (table.Next()) {
     SignalMeasurement pair;

@@ -30,6 +30,19 @@ Tail TailAt(double z) {
   return {hazard, std::max(hazard * (hazard + z), 1e-12)};
 }
 
+// Cells of the rectangle around a model's, of all classes together.
+constexpr std::int64_t kMostCells = 1 << 27;
+
+/// Where the variable's numbers are among all.  Throws Error: there is none, or one of another
+/// type.
+int UnknownOf(const Graph& graph, const Key& key, const char* type) {
+  const VariableId id = graph.IdOf(key);
+  if (graph.TypeOf(id).name != type)
+    throw Error("expected " + key.ToString() + " to be a " + type + ", found a " +
+                graph.TypeOf(id).name);
+  return static_cast<int>(graph.Offset(id));
+}
+
 double WeightOf(const NoiseView& noise, std::size_t component) {
   if (noise.kind != NoiseKind::kSigma || noise.values.empty()) return 1;
   const double sigma = noise.values[std::min(component, noise.values.size() - 1)];
@@ -60,7 +73,7 @@ FittedGraph BuildFitted(const SignalLog& log, std::shared_ptr<const OccupancyGri
 FittedTomography::FittedTomography(const Graph& solved, FittedModel model)
     : model_(std::move(model)), rows_(model_.options) {
   const TomographyLayout& layout = model_.layout;
-  path_loss_ = static_cast<int>(solved.Offset(solved.IdOf(Key("path_loss", 0))));
+  path_loss_ = UnknownOf(solved, Key("path_loss", 0), "vector2/1");
   std::int32_t x1 = 0, y1 = 0;
   for (std::size_t i = 0; i < layout.cells.size(); ++i) {
     const AttenuationCell& cell = layout.cells[i];
@@ -69,11 +82,16 @@ FittedTomography::FittedTomography(const Graph& solved, FittedModel model)
     x1 = i == 0 ? cell.x : std::max(x1, cell.x);
     y1 = i == 0 ? cell.y : std::max(y1, cell.y);
   }
-  columns_ = layout.cells.empty() ? 0 : x1 - x0_ + 1;
-  lines_ = layout.cells.empty() ? 0 : y1 - y0_ + 1;
-  index_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(lines_) *
-                    model_.options.classes.size(),
-                -1);
+  const std::int64_t columns = layout.cells.empty() ? 0 : std::int64_t{x1} - x0_ + 1;
+  const std::int64_t lines = layout.cells.empty() ? 0 : std::int64_t{y1} - y0_ + 1;
+  const auto classes = static_cast<std::int64_t>(model_.options.classes.size());
+  if (columns > kMostCells || lines > kMostCells || columns * lines > kMostCells ||
+      columns * lines * classes > kMostCells)
+    throw Error("the model's cells are too far apart: a rectangle of " + std::to_string(columns) +
+                " x " + std::to_string(lines));
+  columns_ = static_cast<std::int32_t>(columns);
+  lines_ = static_cast<std::int32_t>(lines);
+  index_.assign(static_cast<std::size_t>(columns * lines * classes), -1);
   for (std::size_t i = 0; i < layout.cells.size(); ++i) {
     const AttenuationCell& cell = layout.cells[i];
     if (cell.material >= model_.options.classes.size())
@@ -82,12 +100,12 @@ FittedTomography::FittedTomography(const Graph& solved, FittedModel model)
                      static_cast<std::size_t>(cell.y - y0_)) *
                         static_cast<std::size_t>(columns_) +
                     static_cast<std::size_t>(cell.x - x0_);
-    index_[at] = static_cast<int>(solved.Offset(solved.IdOf(layout.cell_keys[i])));
+    index_[at] = UnknownOf(solved, layout.cell_keys[i], "vector1/1");
   }
   for (std::uint32_t r = 0; layout.bias != RadioBias::kNone && r < layout.radios; ++r) {
     const bool has_ends = layout.bias == RadioBias::kEnds;
     const auto offset = [&](const char* family) {
-      return static_cast<int>(solved.Offset(solved.IdOf(Key(family, r))));
+      return UnknownOf(solved, Key(family, r), "vector1/1");
     };
     receiver_.push_back(offset(has_ends ? "listener" : "bias"));
     transmitter_.push_back(offset(has_ends ? "sender" : "bias"));

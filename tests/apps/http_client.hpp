@@ -31,6 +31,8 @@ class HttpClient {
     return is_open_ && send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
                            static_cast<ssize_t>(bytes.size());
   }
+  /// Says that nothing more comes.
+  void EndSending() const { shutdown(socket_, SHUT_WR); }
   /// What comes until the other side ends.
   std::string Receive() const {
     std::string answer;

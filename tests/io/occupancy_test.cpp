@@ -79,6 +79,7 @@ TEST(Occupancy, SaysWhatIsWrongWithAMapFile) {
   says(refused(with("[-1.25, 3.5, 0.1]", "[1]")), "expected the origin as [x, y, yaw]");
   says(refused(with("trinary", "raw")), "expected the mode trinary or scale, found raw");
   says(refused(with("free_thresh: 0.196", "free_thresh: 0.9")), "free_thresh < occupied_thresh");
+  says(refused(with("0.65\nfree_thresh: 0.196", "1.65")), "free_thresh < occupied_thresh");
   says(refused(with("map.pgm", "none.pgm")), "none.pgm");
   says(refused("image: ["), "not YAML");
   says(refused("7"), "expected a mapping");
