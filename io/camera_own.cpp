@@ -10,11 +10,21 @@ namespace {
 
 constexpr const char* kVersion = "graticule-camera";
 
+// It is written as it is: a plug-in's, too, has a name of these letters.
+std::string ReadModel(const DocumentNode& node) {
+  const std::string& name = node.Scalar();
+  constexpr const char* kLetters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-";
+  if (name.empty() || name.find_first_not_of(kLetters) != std::string::npos)
+    node.FailExpected("the name of a camera model");
+  return name;
+}
+
 RigCamera ReadOne(const DocumentNode& node) {
   RigCamera camera;
   CameraIntrinsics& own = camera.intrinsics;
   if (const DocumentNode* name = node.Find("name")) own.name = name->Scalar();
-  own.model = node.Member("model").Scalar();
+  own.model = ReadModel(node.Member("model"));
   const DocumentNode& size = node.Member("size");
   if (size.List().values.size() != 2) size.FailExpected("a list of 2 numbers");
   own.width = static_cast<int>(size.values[0].Integer(0, kMostPixelsASide));

@@ -236,6 +236,7 @@ TEST(CameraFile, SaysWhatIsWrongAndWhere) {
       {Replaced(own, "end: 1", "end: 2"), "expected a whole number in 1 to 1, found '2'"},
       {Replaced(own, "graticule-camera: 1", "graticule-camera: 2"), "a.yaml:1:19: expected"},
       {Replaced(own, "0, 1]", "0, 2]"), "expected a unit quaternion"},
+      {Replaced(own, "model: ", "model: the "), "expected the name of a camera model, found 'the "},
       {"<opencv_storage><a>1</b></opencv_storage>", "a.yaml:1:24: expected '</a>'"},
       {std::string(5000, '['), "a.yaml:"},
       {"{'lensmodel': " + std::string(5000, '['), "expected at most 100 levels"},
