@@ -41,6 +41,12 @@ BoardShape BoardOf(const std::string& word) {
                             : BoardShape::kFlat;
 }
 
+// Ctrl-C came before there was a camera.
+struct Stopped {};
+void GoOnOrStop() {
+  if (Interruptible::WasAsked()) throw Stopped();
+}
+
 constexpr double kSuspect = 1e-3;  // image diagonals: ten times what poor detectors leave
 
 constexpr int kFewest = 4;  // views, of which one is left out
@@ -57,6 +63,7 @@ ModelSelection Select(const CalibrateCommand& command, const Registry& types,
                       const Detections& detections) {
   CalibrationOptions options;
   options.sigma_px = command.sigma_px;
+  options.before_solve = GoOnOrStop;
   std::vector<std::string> models;
   if (command.model != "auto") models = {CameraModelOf(command.model).name};
   std::vector<BoardShape> boards = {BoardShape::kFlat, BoardShape::kWarped, BoardShape::kFree};
@@ -257,22 +264,21 @@ void Record(const CalibrateCommand& command, const Registry& types, const Detect
   WriteProblem(command.record, recording, {});
 }
 
-}  // namespace
-
-int Run(const CalibrateCommand& command, const Console& console) {
+int Calibrate(const CalibrateCommand& command, const Console& console) {
   std::vector<Output> outputs;
   for (const std::string& words : command.outputs) outputs.push_back(OutputOf(words));
   for (const Output& output : outputs) ExpectWritable(output.path);
   if (!command.record.empty()) ExpectEnding(command.record, "--record", ProblemEndings());
   if (!command.report.empty()) ExpectEnding(command.report, "--report", {".html", ".json"});
   const Registry types = LoadTypes(command.reading);
-  const CalibrationInput input =
-      LoadCalibrationInput(command.sources, command.target, command.image_topic, console);
+  const CalibrationInput input = LoadCalibrationInput(command.sources, command.target,
+                                                      command.image_topic, console, GoOnOrStop);
   const Detections& detections = input.detections;
+  // Before the solve: where that is stopped, they need not be looked for again.
+  if (!command.detections.empty()) WriteDetections(command.detections, detections);
   Answer answer = Solve(command, types, input, console);
   for (const std::string& note : input.notes) answer.report.warnings.push_back(note);
   if (input.target) answer.report.facts.emplace_back("target", Described(*input.target));
-  if (!command.detections.empty()) WriteDetections(command.detections, detections);
 
   const CameraRig rig = RigOf(answer);
   for (const Output& output : outputs) WriteCameras(output.path, rig, output.format);
@@ -295,6 +301,19 @@ int Run(const CalibrateCommand& command, const Console& console) {
     PrintSummary(detections, answer);
   if (!answer.posterior.Constrained()) return kIllPosed;
   return ExitOf(answer.Solved().report.termination);
+}
+
+}  // namespace
+
+int Run(const CalibrateCommand& command, const Console& console) {
+  const Interruptible interruptible;
+  try {
+    return Calibrate(command, console);
+  } catch (const Stopped&) {
+    console.Progress("");
+    console.Error("stopped before there was a camera: none is written");
+    return kNotConverged;
+  }
 }
 
 }  // namespace graticule::apps

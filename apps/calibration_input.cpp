@@ -23,7 +23,8 @@ bool IsRecorded(const std::string& source) {
 
 CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
                                       const std::string& target, const std::string& image_topic,
-                                      const Console& console) {
+                                      const Console& console,
+                                      const std::function<void()>& after_image) {
   if (sources.empty())
     throw Error("expected recorded detections, or images to look for a target in",
                 ErrorKind::kUsage);
@@ -44,6 +45,7 @@ CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
   const auto [cameras, strays] = GroupByCamera(ExpandImages(sources));
   FoundDetections found = DetectCameras(cameras, options, [&](std::size_t done, std::size_t all) {
     console.Progress(fmt::format("looking for the target: {} of {}", done, all));
+    if (after_image) after_image();
   });
   console.Progress("");
   input.detections = std::move(found.detections);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,10 +21,12 @@ struct CalibrationInput {
 
 /// The corners that a command's words lead to: recorded detections (.json, .vnl, .orpc), or images
 /// (files, folders, patterns, a video, the topic of a ROS bag) in which the target of that
-/// description is looked for, or, with none, whatever target they show.  Throws Error.
+/// description is looked for, or, with none, whatever target they show.  Throws Error, and what
+/// `after_image` throws, which is called after each image.
 CalibrationInput LoadCalibrationInput(const std::vector<std::string>& sources,
                                       const std::string& target, const std::string& image_topic,
-                                      const Console& console);
+                                      const Console& console,
+                                      const std::function<void()>& after_image = {});
 
 /// "cam0 (640 x 480): 13 views, 702 corners".
 std::string Described(const Detections& detections);

@@ -16,12 +16,15 @@ CertificateSummary CertifySolution(const Graph& graph, const SolveOptions& optio
   // The question that was solved: with the losses that the options put in the factors' place.
   Graph asked = graph;
   if (!options.loss.empty()) asked.SetLosses(MakeLoss(options.loss, options.loss_scale));
-  Certificate certificate = Certify(asked, solution->values);
+  CertifyOptions certifying;
+  certifying.go_on = [] { return !Interruptible::WasAsked(); };
+  Certificate certificate = Certify(asked, solution->values, certifying);
   CertificateSummary summary;
   summary.seconds = clock.Elapsed().wall;
-  if (solution->report.termination != Termination::kCancelled) {
+  if (solution->report.termination != Termination::kCancelled && !Interruptible::WasAsked()) {
     EscapeOptions escaping;
     escaping.solve = options;
+    escaping.certify = certifying;
     Escape escape =
         EscapeMinimum(asked, std::move(*solution), std::move(certificate), escaping, watch);
     *solution = std::move(escape.solution);

@@ -211,6 +211,8 @@ int Run(const SolveCommand& command, const Console& console) {
     if (context.certificate->improved) solved.initialisation += "; then solved again";
   }
   Report& report = solution.report;
+  const bool is_cut_short = context.certificate && Interruptible::WasAsked();
+  if (is_cut_short) report.warnings.push_back("stopped before the certificate was whole");
   if (recording.repaired) report.warnings.push_back(ToString(*recording.repaired));
   report.timing.load = load;
   report.timing.initialise = solved.initialise;
@@ -296,7 +298,8 @@ int Run(const SolveCommand& command, const Console& console) {
     return kIllPosed;
   }
   if (outputs.Failure() != kDone) return outputs.Failure();
-  return ExitOf(report.termination);
+  const int code = ExitOf(report.termination);
+  return code == kDone && is_cut_short ? kNotConverged : code;
 }
 
 }  // namespace graticule::apps

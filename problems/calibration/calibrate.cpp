@@ -318,6 +318,7 @@ Calibration RefineCalibration(const Registry& types, const Detections& detection
     DropUnseen(detections, result.use, &result.state);
     const Graph graph =
         BuildCalibration(types, detections, result.state, result.use, options, sigma);
+    if (options.before_solve) options.before_solve();
     Solution solution = Solve(graph, options.solve);
     result.weight_sigma_px = sigma;
     result.state = ReadBackCalibration(graph, solution.values, std::move(result.state));

@@ -30,6 +30,9 @@ struct CalibrationOptions {
   double sigma_px = 0;
   std::vector<CameraPrior> camera_priors;  ///< one a camera, or none
   SolveOptions solve;
+  /// Called before each solve, by several threads where models are compared: what it throws, if no
+  /// Error, ends all of it.
+  std::function<void()> before_solve;
 };
 
 /// The options' corner_sigma_m, or what it is where they leave it to the target.

@@ -34,19 +34,19 @@ class Certifier {
     double shift = std::max(kRounding, ShiftFor(1e-3 * options_.optimal_gap * minorant_.cost));
     bool proved = IsPositive(shift);
     const auto is_fine = [&] { return proved && std::abs(dual_.remainder) < 0.01 * Tolerance(); };
-    for (int step = 0; step < kNewtonSteps && !is_fine() && Newton(); ++step)
+    for (int step = 0; step < kNewtonSteps && !is_fine() && GoesOn() && Newton(); ++step)
       proved = IsPositive(shift);
     for (const double part : {0.05, 0.5}) {
       const double larger = ShiftFor(part * Tolerance());
-      if (proved || larger < shift) continue;
+      if (proved || larger < shift || !GoesOn()) continue;
       proved = IsPositive(shift = larger);
     }
     certificate->verdict = proved ? Verdict::kBounded : Verdict::kRefused;
     if (!proved) certificate->eigenvalue = std::numeric_limits<double>::quiet_NaN();
-    while (!proved && options_.find_eigenvalue && shift < kLargestShift) {
+    while (!proved && options_.find_eigenvalue && shift < kLargestShift && GoesOn()) {
       shift = std::max(10 * shift, 1e-6);
       proved = IsPositive(shift);
-      if (!proved) continue;
+      if (!proved || !GoesOn()) continue;
       const auto direction = matrix_.SmallestEigenvalue(shift);
       if (direction) certificate->eigenvalue = direction->eigenvalue;
     }
@@ -64,6 +64,7 @@ class Certifier {
     return std::max(options_.optimal_gap * minorant_.cost,
                     kNegligible * static_cast<double>(program_.statements.size()));
   }
+  bool GoesOn() const { return !options_.go_on || options_.go_on(); }
   double ShiftFor(double gap) const { return gap / matrix_.Allowance(); }
 
   void Load() {

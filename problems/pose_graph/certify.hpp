@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,8 @@ struct CertifyOptions {
   double optimal_gap = 1e-5;
   /// Where refused: look for the smallest eigenvalue, and for what bound is proved all the same.
   bool find_eigenvalue = true;
+  /// Asked before each factorisation but the first: false ends with what is proved by then.
+  std::function<bool()> go_on;
 };
 
 /// Certifies values of a pose graph.  Each factor's cost is bounded from below by a function that

@@ -92,6 +92,47 @@ TEST_F(Signals, ToAMap) {
   }
 }
 
+TEST_F(Signals, ToACertificate) {
+  // Wrong loop closures: the certificate is refused, and other starts are tried.
+  ASSERT_EQ(RunCommand({"simulate", "city", "--robots", "4", "--poses", "1500",
+                        "--outlier-fraction", "0.1", "-o", Path("city.fg"), "--binary"})
+                .exit_code,
+            0);
+  const std::vector<std::string> words = {"solve", Path("city.fg"), "--certify", "-o",
+                                          Path("solved.fg")};
+  const Outcome whole = Run(words);
+  ASSERT_TRUE(whole.exit_code == 0 || whole.exit_code == 4) << whole.err;
+  for (int time = 0; time < kTimes; ++time) {
+    std::filesystem::remove(Path("solved.fg"));
+    const Outcome outcome = RunAndSignal(words, time);
+    ExpectNoTemporaries();
+    if (outcome.exit_code >= 128) continue;
+    EXPECT_EQ(RunCommand({"inspect", Path("solved.fg")}).exit_code, 0);
+  }
+  EXPECT_GT(stopped_, 0);
+}
+
+TEST_F(Signals, ToACalibration) {
+  ASSERT_EQ(RunCommand({"calibrate", "guide", "--headless", "--simulate", "corners", "-o",
+                        Path("guided.yaml"), "--detections", Path("corners.json")})
+                .exit_code,
+            0);
+  const std::vector<std::string> words = {"calibrate",    Path("corners.json"), "-o",
+                                          Path("a.yaml"), "--detections",       Path("d.json")};
+  ASSERT_EQ(Run(words).exit_code, 0);
+  for (int time = 0; time < kTimes; ++time) {
+    for (const char* file : {"a.yaml", "d.json"}) std::filesystem::remove(Path(file));
+    const Outcome outcome = RunAndSignal(words, time);
+    ExpectNoTemporaries();
+    const bool written = std::filesystem::exists(Path("a.yaml"));
+    EXPECT_EQ(written, outcome.exit_code == 0) << outcome.err;
+    if (outcome.exit_code != 4) continue;
+    EXPECT_NE(outcome.err.find("stopped before there was a camera"), std::string::npos);
+    EXPECT_EQ(ReadWhole(Path("d.json")), ReadWhole(Path("corners.json")));
+  }
+  EXPECT_GT(stopped_, 0);
+}
+
 TEST_F(Signals, ToATuning) {
   ASSERT_EQ(RunCommand({"signal", "simulate", "room", "--seconds", "120", "--rate", "4", "-o",
                         Path("room")})

@@ -1,14 +1,14 @@
-#include <unistd.h>
-
 #include "fuzz.hpp"
 #include "graticule/io/bag_images.hpp"
 #include "graticule/io/bag_laser.hpp"
 #include "graticule/io/file.hpp"
+#include "memory_folder.hpp"
 
 // What scans and images a bag has: readers that go through the file more than once.
 GRATICULE_FUZZ(bytes) {
   using namespace graticule;
-  static const std::string path = "/dev/shm/bag_laser_fuzz." + std::to_string(::getpid()) + ".bag";
+  static const MemoryFolder folder;
+  static const std::string path = folder / "a.bag";
   WriteFile(path, bytes);
   const auto quietly = [](const auto& read) {
     try {

@@ -1,14 +1,13 @@
-#include <unistd.h>
-
 #include "fuzz.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/problems/attenuation/tune.hpp"
+#include "memory_folder.hpp"
 
 // What a search that was stopped has kept, behind the heading that the search itself writes.
 GRATICULE_FUZZ(text) {
   using namespace graticule;
-  static const std::string path =
-      "/dev/shm/compass_search_fuzz." + std::to_string(::getpid()) + ".state";
+  static const MemoryFolder folder;
+  static const std::string path = folder / "a.state";
   CompassOptions options;
   options.max_evaluations = 9;
   options.state_path = path;
@@ -17,7 +16,6 @@ GRATICULE_FUZZ(text) {
                          {1, 2}, options);
   };
   static const std::string heading = [&] {
-    ::unlink(path.c_str());
     search();
     const std::string state = ReadFile(path);
     return state.substr(0, state.find('\n', state.find('\n') + 1) + 1);
