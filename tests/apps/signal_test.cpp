@@ -93,14 +93,44 @@ TEST_F(SignalCommandTest, KeepsWhatWasMeasuredWhereTheMethodIsNoGraph) {
     EXPECT_EQ(predicted.exit_code, 0) << method << predicted.err;
     EXPECT_EQ(CountLines(predicted.out), 2u);
   }
-  // A fault in its log has its own line of the file.
+  // A fault in its log has its own line of the file, whatever blank lines are in its heading.
   std::string text = ReadWhole(Path("model.txt"));
+  text.insert(text.find('\n'), "\n\n");
   text.replace(text.rfind("robot"), 5, "robot,");
   const Outcome broken = RunCommand(
       {"signal", "predict", Write("broken.txt", text), "--map", Map(), "--pairs", pairs});
   EXPECT_EQ(broken.exit_code, 3);
   EXPECT_NE(broken.err.find("broken.txt:" + std::to_string(CountLines(text))), std::string::npos)
       << broken.err;
+}
+
+TEST_F(SignalCommandTest, RefusesAModelThatSaysWhatCannotBe) {
+  ASSERT_EQ(Fit("mrt", "model.fg").exit_code, 0);
+  std::string text = ReadWhole(Path("model.fg"));
+  text.erase(text.rfind(" xxh64"));
+  text += '\n';
+  const auto predicted = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    for (std::size_t at = 0; (at = changed.find(from, at)) != std::string::npos; at += to.size())
+      changed.replace(at, from.size(), to);
+    EXPECT_NE(changed, text) << from;
+    const Outcome outcome =
+        RunCommand({"signal", "predict", Write("changed.fg", changed), "--map", Map(), "--pairs",
+                    Write("pairs.csv", "rx_x,rx_y,tx_x,tx_y\n3,3,8,4\n")});
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+    EXPECT_EQ(outcome.err.find("graticule: " + Path("changed.fg") + ": "), 0u) << outcome.err;
+    return outcome.err;
+  };
+  const auto expect = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect(predicted("\"graticule-signal-model/1\"", "7"), "no signal model");
+  expect(predicted("\"cell_m\":", "\"cell_m\":true,\"cell\":"),
+         "report: cell_m: expected a number");
+  expect(predicted("\"x0\":", "\"x0\":99999999999"),
+         "report: cells.x0: expected a whole number in");
+  expect(predicted("\"cell_m\":3.0", "\"cell_m\":-3"), "cell_m is -3; expected zero or above");
+  expect(predicted("cell_all:7 ", "cell_all:999999999 "), "cells are too far apart");
 }
 
 TEST_F(SignalCommandTest, EvaluatesAndTunes) {

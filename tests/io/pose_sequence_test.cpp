@@ -1,6 +1,7 @@
 #include "graticule/io/pose_sequence.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cstring>
 #include <limits>
@@ -80,6 +81,23 @@ TEST(PoseSequence, RefusesWhatIsBroken) {
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(), "a.pgseq: byte 84: expected a node below 5, found 7");
   }
+}
+
+// Else 36 bytes would take 2 GB.
+TEST(PoseSequence, TakesNoMemoryForNodesThatDoNotCome) {
+  std::string bytes("PGSEQ1\0\0", 8);
+  for (const int number : {INT32_MAX, 1, 1, 1, 1, INT32_MAX - 1}) Append(&bytes, number);
+  for (int i = 0; i < 3; ++i) Append(&bytes, 0.5f);
+  const auto most_kilobytes = [] {
+    rusage usage = {};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const long before = most_kilobytes();
+  const PoseSequence sequence = Parse(bytes);
+  EXPECT_LT(most_kilobytes() - before, 100'000);
+  EXPECT_EQ(sequence.nodes, static_cast<std::uint32_t>(INT32_MAX));
+  EXPECT_EQ(sequence.RobotOf(sequence.poses[0].node), 0u);
 }
 
 }  // namespace
