@@ -127,7 +127,7 @@ TEST_F(SignalCommandTest, RefusesAModelThatSaysWhatCannotBe) {
   expect(predicted("\"graticule-signal-model/1\"", "7"), "no signal model");
   expect(predicted("\"cell_m\":", "\"cell_m\":true,\"cell\":"),
          "report: cell_m: expected a number");
-  expect(predicted("\"x0\":", "\"x0\":99999999999"),
+  expect(predicted("\"x0\":", "\"x0\":99999999999,\"x\":"),
          "report: cells.x0: expected a whole number in");
   expect(predicted("\"cell_m\":3.0", "\"cell_m\":-3"), "cell_m is -3; expected zero or above");
   expect(predicted("cell_all:7 ", "cell_all:999999999 "), "cells are too far apart");
