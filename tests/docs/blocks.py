@@ -1,4 +1,4 @@
-"""The commands that a page of the documentation shows.
+"""The commands and the C++ that a page of the documentation shows.
 
 A fenced block of `console` (lines that begin with `$ ` are typed, the others are what is answered), `bash` or `sh`
 (every line is typed) is run by page_test.py in a folder of the page's own, block after block.  Comments right above
@@ -10,19 +10,30 @@ the fence say what a reader has at hand, or why a block is not run:
     <!-- not run: needs a camera -->
 
 `given` names files of the recorded data, of the sources, or plug-ins of the build; NAME/ is a folder of all that match.  `before` is a command that the page does not
-show.  What is `not run` is counted (CMakeLists.txt), and its options are held against --help all the same."""
+show.  What is `not run` is counted (CMakeLists.txt), and its options are held against --help all the same.
+
+A block of `cpp` is compiled by code_test.py.  What a reader would have written himself stands in a comment, which may
+have several lines, or the block says why it is left out:
+
+    <!-- before: graticule::Graph graph(graticule::Builtins()); -->
+    <!-- not compiled: an excerpt of a header -->
+
+Blocks of `python` are run by python/tests/docs_test.py, with `before` as for C++."""
 
 import re
 import shlex
 from dataclasses import dataclass, field
 
 FENCES = ("console", "bash", "sh")
+CODE = ("cpp",)
+PYTHON = ("python",)
 
 
 @dataclass
 class Block:
     line: int
     commands: list = field(default_factory=list)  # as typed, continued lines joined
+    code: list = field(default_factory=list)  # lines
     given: dict = field(default_factory=dict)
     before: list = field(default_factory=list)
     not_run: str = ""
@@ -50,7 +61,7 @@ def typed(language, lines):
 def read_comment(text, block):
     kind, _, value = text.partition(":")
     value = value.strip()
-    if kind == "not run" and value:
+    if kind in ("not run", "not compiled") and value:
         block.not_run = value
     elif kind == "before" and value:
         block.before.append(value)
@@ -65,23 +76,40 @@ def read_comment(text, block):
     return True
 
 
-def read(text):
-    """All blocks of commands of a page, and the lines of prose (number, text) outside of any fence."""
-    blocks, prose, fence, comments = [], [], None, []
+def lines_of(text):
+    """(number, text), with a comment's lines as one."""
+    begin, whole = 0, ""
     for number, line in enumerate(text.splitlines(), 1):
+        if not whole and not re.match(r"<!-- (?:given|before|not run|not compiled):", line):
+            yield number, line
+            continue
+        begin, whole = (begin, whole + "\n" + line) if whole else (number, line)
+        if line.endswith("-->"):
+            yield begin, whole
+            whole = ""
+    if whole:
+        raise ValueError(f"line {begin}: a comment without an end")
+
+
+def read(text, languages=FENCES):
+    """All blocks of the languages of a page, and the lines of prose (number, text) outside of any fence."""
+    blocks, prose, fence, comments = [], [], None, []
+    for number, line in lines_of(text):
         start = re.match(r"\s*```\s*(\S*)\s*$", line)
         if fence is not None:
             if start and not start[1]:
                 language, begin, lines = fence
                 fence = None
-                if language in FENCES:
+                if language in languages:
                     block = Block(begin)
                     for comment in comments:
                         if not read_comment(comment, block):
                             raise ValueError(f"line {begin}: what does '{comment}' mean?")
-                    block.commands = typed(language, lines)
+                    if language in FENCES:
+                        block.commands = typed(language, lines)
+                    block.code = lines
                     blocks.append(block)
-                elif any(re.match(r"(\$ )?graticule ", shown) for shown in lines):
+                elif language not in FENCES and any(re.match(r"(\$ )?graticule ", shown) for shown in lines):
                     raise ValueError(f"line {begin}: commands belong into a block of console")
                 comments = []
             else:
@@ -89,7 +117,7 @@ def read(text):
         elif start:
             fence = (start[1], number, [])
         else:
-            comment = re.match(r"<!-- ((?:given|before|not run):.*) -->$", line)
+            comment = re.match(r"<!-- ((?:given|before|not run|not compiled):.*?)\s*-->$", line, re.S)
             if comment:
                 comments.append(comment[1])
             else:
