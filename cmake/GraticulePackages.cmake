@@ -40,7 +40,8 @@ set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "${about}")
 set(GRATICULE_DEV_PACKAGES libeigen3-dev libceres-dev libsuitesparse-dev libopenblas-dev)
 if(NOT BUILD_SHARED_LIBS)  # io's and problems' archives name what they were linked with
   list(APPEND GRATICULE_DEV_PACKAGES
-    libpng-dev zlib1g-dev libfmt-dev libyaml-cpp-dev nlohmann-json3-dev libxxhash-dev liblzf-dev pkg-config
+    libpng-dev zlib1g-dev libfmt-dev libyaml-cpp-dev nlohmann-json3-dev libxxhash-dev liblzf-dev
+    libbz2-dev liblz4-dev pkg-config
     libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libgeographiclib-dev libapriltag-dev)
 endif()
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libgraticule-dev)
@@ -48,8 +49,10 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 list(JOIN GRATICULE_DEV_PACKAGES ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "graticule (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "${about}\n.\n\
-This package has the static libraries and headers, to embed it and to write\nplug-ins.")
+This package has the libraries and headers, to embed it and to write\nplug-ins.")
 if(BUILD_SHARED_LIBS)
+  set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+  set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/packaging/triggers")
   string(PREPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
     "graticule (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), ")
 endif()

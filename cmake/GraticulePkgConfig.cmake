@@ -1,18 +1,14 @@
 # graticule.pc (solver and factors) and one a component, for those who build without CMake.
 #
 # A static library names what it was linked with, and there is no shared one beside it: so all of that is in
-# `Requires` and `Libs`, and `pkg-config --libs graticule` is enough.  Shared libraries bring their own; what
-# they use is then only in the private lists, which `--static` asks for.
-# Ceres, SuiteSparse and OpenCV's small packages have no .pc file on Debian 12: they are named as libraries.
+# `Requires` and `Libs`, and `pkg-config --libs graticule` is enough.  Shared libraries bring their own.  They have no
+# private lists: there is no archive beside them that `--static` could link, and pkg-config wants what
+# `Requires.private` names to be installed even for `--cflags`.
+# Ceres, SuiteSparse, bzip2 and OpenCV's small packages have no .pc file on Debian 12: they are named as libraries.
 file(RELATIVE_PATH graticule_prefix_from_pc "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
-if(BUILD_SHARED_LIBS)
-  set(graticule_private .private)
-else()
-  set(graticule_private)
-endif()
 
 # graticule_pkg_config(NAME DESCRIPTION [LIBRARY lib] [REQUIRES ...] [DEBIAN ...] [LINK ...])
-# REQUIRES: .pc files whose headers a consumer sees.  DEBIAN, LINK: what the library was linked with.
+# REQUIRES: .pc files whose headers a consumer sees.  DEBIAN, LINK: what a static library was linked with.
 function(graticule_pkg_config name description)
   cmake_parse_arguments(arg "" "LIBRARY" "REQUIRES;DEBIAN;LINK" ${ARGN})
   set(text "prefix=\${pcfiledir}/${graticule_prefix_from_pc}
@@ -24,18 +20,14 @@ Name: ${name}
 Description: ${description}
 Version: ${PROJECT_VERSION}
 ")
-  list(JOIN arg_LINK " " link)
-  if(graticule_private)
-    list(JOIN arg_REQUIRES ", " requires)
-    list(JOIN arg_DEBIAN ", " debian)
-    string(APPEND text "Requires: ${requires}\nRequires.private: ${debian}\nLibs.private: ${link}\n")
-    set(link)
-  else()
-    list(JOIN arg_REQUIRES ", " requires)
-    list(APPEND arg_REQUIRES ${arg_DEBIAN})
-    list(JOIN arg_REQUIRES ", " requires)
-    string(APPEND text "Requires: ${requires}\n")
+  if(BUILD_SHARED_LIBS)
+    set(arg_DEBIAN)
+    set(arg_LINK)
   endif()
+  list(JOIN arg_LINK " " link)
+  list(APPEND arg_REQUIRES ${arg_DEBIAN})
+  list(JOIN arg_REQUIRES ", " requires)
+  string(APPEND text "Requires: ${requires}\n")
   if(arg_LIBRARY)
     string(APPEND text "Libs: -L\${libdir} -l${arg_LIBRARY} ${link}\n")
   endif()
@@ -55,8 +47,8 @@ graticule_pkg_config(graticule-factors "Graticule's built-in factors" LIBRARY gr
   REQUIRES graticule-solver graticule-sdk LINK -ldl)
 graticule_pkg_config(graticule-io "Graticule's formats, reports and pictures" LIBRARY graticule_io
   REQUIRES graticule-solver
-  DEBIAN libpng zlib fmt yaml-cpp libxxhash liblzf
-  LINK -lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core -ldl)
+  DEBIAN libpng zlib fmt yaml-cpp libxxhash liblzf liblz4
+  LINK -lbz2 -lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core -ldl)
 graticule_pkg_config(graticule-problems "Graticule's problems: maps, cameras, signals, scans"
   LIBRARY graticule_problems
   REQUIRES graticule-factors graticule-io

@@ -32,5 +32,6 @@ function(graticule_library room)
   target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${root}>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_compile_features(${target} PUBLIC cxx_std_17)
   target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:graticule_flags>)
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room} OUTPUT_NAME graticule_${room})
+  # Every symbol of a room is for others: nothing is marked for export, so shared and static objects are the same.
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room} OUTPUT_NAME graticule_${room} DEFINE_SYMBOL "")
 endfunction()

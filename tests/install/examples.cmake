@@ -28,8 +28,9 @@ if(NOT IS_DIRECTORY "${moved}/${LIBDIR}/graticule/plugins")
   message(FATAL_ERROR "there is no folder for plug-ins in ${moved}")
 endif()
 
-foreach(example IN ITEMS plugin lens embed)
-  file(COPY "${SOURCE}/docs/examples/${example}" DESTINATION "${WORK}")
+foreach(folder IN ITEMS docs/examples/plugin docs/examples/lens docs/examples/embed tests/install/rooms)
+  file(COPY "${SOURCE}/${folder}" DESTINATION "${WORK}")
+  get_filename_component(example "${folder}" NAME)
   run("configure ${example}" "${CMAKE_COMMAND}" -S "${WORK}/${example}" -B "${WORK}/${example}/build"
     -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${moved}" "-DCMAKE_CXX_COMPILER=${CXX}"
     "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
@@ -40,6 +41,24 @@ run("run embed" "${WORK}/embed/build/embed")
 expect("embed" "${output}" "converged, chi2")
 expect("embed" "${output}" "sigma of x before the loop: 0\\.[0-9]+ m")
 expect("embed" "${output}" "converged after [0-9]+ steps")
+
+run("run rooms" "${WORK}/rooms/build/rooms" "${WORK}/rooms.fg")
+expect("rooms" "${output}" "converged after [0-9]+ steps")
+
+# The same by pkg-config.
+find_program(pkg_config pkg-config REQUIRED)
+set(ENV{PKG_CONFIG_PATH} "${moved}/${LIBDIR}/pkgconfig")
+separate_arguments(flags UNIX_COMMAND "${FLAGS}")
+foreach(room IN ITEMS embed:graticule rooms:graticule-problems)
+  string(REPLACE ":" ";" room "${room}")
+  list(POP_FRONT room name)
+  run("pkg-config ${room}" "${pkg_config}" --cflags --libs ${room})
+  separate_arguments(libs UNIX_COMMAND "${output}")
+  run("build ${name} by pkg-config" "${CXX}" -std=c++17 ${flags} "${WORK}/${name}/main.cpp" -o "${WORK}/${name}_by_pc" ${libs}
+    "-Wl,-rpath,${moved}/${LIBDIR}")
+  run("run ${name} by pkg-config" "${WORK}/${name}_by_pc" "${WORK}/rooms.fg")
+  expect("${name} by pkg-config" "${output}" "converged after [0-9]+ steps")
+endforeach()
 
 set(plugin "${WORK}/plugin/build/libradar.so")
 if(NOT EXISTS "${plugin}")

@@ -191,7 +191,7 @@ def check_develops(debs, depends):
     expect("embed by pkg-config", "converged after" in said, said)
 
     rooms = os.path.join(WORK, "rooms")
-    run(CXX, "-std=c++17", *FLAGS.split(), os.path.join(SOURCE, "tests/install/rooms.cpp"), "-o", rooms,
+    run(CXX, "-std=c++17", *FLAGS.split(), os.path.join(SOURCE, "tests/install/rooms/main.cpp"), "-o", rooms,
         *flags("graticule-problems"))
     said = run(rooms, os.path.join(WORK, "rooms.fg"))
     expect("rooms by pkg-config", "converged" in said, said)
