@@ -58,6 +58,9 @@ if(EXISTS "${PROJECT_SOURCE_DIR}/apps/configs")
     DESTINATION "${CMAKE_INSTALL_DATADIR}/graticule/configs" COMPONENT runtime FILES_MATCHING PATTERN "*.yaml")
 endif()
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT outside_packages)
+# Debian's packages have them where they look for them: GraticulePackages.cmake.
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs/examples" DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+  COMPONENT outside_packages PATTERN build EXCLUDE)
 install(DIRECTORY DESTINATION "${GRATICULE_PLUGIN_INSTALL_DIR}" COMPONENT runtime)
 
 if(BUILD_SHARED_LIBS)

@@ -9,6 +9,7 @@
 #include "graticule/factors/make.hpp"
 #include "graticule/problems/mapping/live_map.hpp"
 #include "graticule/problems/mapping/loop_search.hpp"
+#include "graticule/problems/mapping/planar_values.hpp"
 #include "graticule/problems/mapping/pose_noise.hpp"
 #include "graticule/problems/mapping/scan_track.hpp"
 #include "graticule/problems/mapping/sight_conflict.hpp"
@@ -141,10 +142,8 @@ class Builder {
   }
 
   void TakePoses(const Values& values) {
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      const Span<const double> value = values.At(mission_.nodes[i].key);
-      poses_[i] = {value[0], value[1], value[2]};
-    }
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      poses_[i] = PlanarPoseAt(values, mission_.nodes[i].key);
     mission_.graph.SetValues(values);
   }
 

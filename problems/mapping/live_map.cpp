@@ -10,12 +10,13 @@
 #include "graticule/problems/mapping/cover.hpp"
 #include "graticule/problems/mapping/cover_slices.hpp"
 #include "graticule/problems/mapping/map_extent.hpp"
-#include "graticule/problems/parallel_for.hpp"
+#include "graticule/problems/mapping/planar_values.hpp"
 #include "graticule/problems/mapping/projection_error.hpp"
 #include "graticule/problems/mapping/rasteriser.hpp"
 #include "graticule/problems/mapping/scan_points.hpp"
 #include "graticule/problems/mapping/votes.hpp"
 #include "graticule/problems/mapping/work_estimate.hpp"
+#include "graticule/problems/parallel_for.hpp"
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
@@ -378,6 +379,12 @@ void LiveMap::UpdatePose(NodeId node, const PlanarPose& world_from_robot) {
 }
 void LiveMap::UpdatePoses(Span<const PlanarPose> world_from_robot) {
   machine_->UpdatePoses(world_from_robot);
+}
+void LiveMap::UpdatePoses(const Values& values, const std::vector<Key>& keys) {
+  std::vector<PlanarPose> poses;
+  poses.reserve(keys.size());
+  for (const Key& key : keys) poses.push_back(PlanarPoseAt(values, key));
+  machine_->UpdatePoses(poses);
 }
 MapUpdate LiveMap::Update(double deadline) { return machine_->Update(deadline); }
 MapUpdate LiveMap::UpdateExactly() { return machine_->UpdateExactly(); }

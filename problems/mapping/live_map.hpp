@@ -10,6 +10,7 @@
 #include "graticule/problems/mapping/live_map_options.hpp"
 #include "graticule/problems/mapping/occupancy_map.hpp"
 #include "graticule/problems/mapping/vote_grid.hpp"
+#include "graticule/solver/values.hpp"
 
 namespace graticule {
 
@@ -62,6 +63,9 @@ class LiveMap {
   void UpdatePose(NodeId node, const PlanarPose& world_from_robot);
   /// Of all nodes, in their order.
   void UpdatePoses(Span<const PlanarPose> world_from_robot);
+  /// The same from a graph's values: keys[i] is node i's pose (se2/1).  Also throws Error: an
+  /// unknown key, or one that is not three numbers.
+  void UpdatePoses(const Values& values, const std::vector<Key>& keys);
 
   /// Brings the map up to date, and publishes it.  kIncremental stops in time for a deadline
   /// (seconds, wall time) where one is given; slices that are left over come first the next time.

@@ -7,86 +7,75 @@
 
 #include "graticule/factors/builtins.hpp"
 #include "graticule/factors/make.hpp"
+#include "graticule/io/map_message.hpp"
 #include "graticule/problems/mapping/live_map.hpp"
+#include "graticule/problems/mapping/planar_values.hpp"
 #include "graticule/solver/online.hpp"
 
 using namespace graticule;
+using MapMessage = nav_msgs::msg::OccupancyGrid;
+using OdometryMessage = nav_msgs::msg::Odometry;
+using ScanMessage = sensor_msgs::msg::LaserScan;
 
-class Mapper : public rclcpp::Node {
- public:
-  Mapper() : Node("graticule_mapper"), online_(Builtins()) {
-    map_ = create_publisher<nav_msgs::msg::OccupancyGrid>("map", rclcpp::QoS(1).transient_local());
-    odometry_ = create_subscription<nav_msgs::msg::Odometry>(
-        "odom", 50, [this](nav_msgs::msg::Odometry::ConstSharedPtr message) {
-          const auto& p = message->pose.pose.position;
-          const auto& q = message->pose.pose.orientation;  // turned about z
-          odom_from_robot_ = {p.x, p.y, 2 * std::atan2(q.z, q.w)};
+struct Mapper : rclcpp::Node {
+  Mapper() : Node("graticule_mapper") {
+    to_odometry = create_subscription<OdometryMessage>(
+        "odom", 50, [this](OdometryMessage::ConstSharedPtr said) {
+          const auto& p = said->pose.pose.position;
+          const auto& q = said->pose.pose.orientation;
+          odom_from_robot = {p.x, p.y, 2 * std::atan2(q.z, q.w)};  // turned about z
         });
-    scans_ = create_subscription<sensor_msgs::msg::LaserScan>(
-        "scan", rclcpp::SensorDataQoS(),
-        [this](sensor_msgs::msg::LaserScan::ConstSharedPtr message) { Take(*message); });
+    to_scans = create_subscription<ScanMessage>(
+        "scan", rclcpp::SensorDataQoS(), [this](ScanMessage::ConstSharedPtr scan) { Take(*scan); });
   }
 
- private:
-  void Take(const sensor_msgs::msg::LaserScan& scan) {
-    const PlanarPose moved = Inverse(odom_at_node_) * odom_from_robot_;
-    if (nodes_ > 0 && std::hypot(moved.x, moved.y) < 0.5 && std::abs(moved.yaw) < 0.3) return;
-    odom_at_node_ = odom_from_robot_;
-    // A node every half metre, guessed from the one before.  The first is held.
-    const Key key("pose", nodes_);
-    const PlanarPose guess = nodes_ > 0 ? PoseOf(nodes_ - 1) * moved : PlanarPose{};
-    online_.Add(key, "se2/1", {guess.x, guess.y, guess.yaw});
-    if (nodes_ > 0)
-      online_.Add(BetweenSe2Factor(Key("pose", nodes_ - 1), key, {moved.x, moved.y, moved.yaw},
-                                   Noise::Sigmas({0.05, 0.05, 0.02}), "odometry"));
-    // Your scan matching and loop closures add their BetweenSe2Factor here, with a loss
-    // (problems/mapping/scan_match.hpp, loop_search.hpp).
-    online_.Update();
-    LaserGeometry laser;  // where it is on the robot: robot_from_laser, from your tf tree
-    laser.first_angle = scan.angle_min;
-    laser.step = scan.angle_increment;
-    laser.max_range = scan.range_max;
-    live_.AddNode(/*robot=*/0, laser, {scan.ranges.data(), scan.ranges.size()}, guess);
-    ++nodes_;
-    for (std::uint32_t node = 0; node < nodes_; ++node) live_.UpdatePose(node, PoseOf(node));
-    live_.Update(/*deadline=*/0.02);
-    Publish(scan.header.stamp);
+  void Take(const ScanMessage& scan) {  // a node of the graph every half metre
+    const PlanarPose moved = Inverse(odom_at_node) * odom_from_robot;
+    if (!keys.empty() && std::hypot(moved.x, moved.y) < 0.5 && std::abs(moved.yaw) < 0.3) return;
+    odom_at_node = odom_from_robot;
+    const Key key("pose", static_cast<std::uint32_t>(keys.size()));
+    PlanarPose guess;
+    if (!keys.empty()) guess = PlanarPoseAt(*online.Latest(), keys.back()) * moved;
+    online.Add(key, "se2/1", {guess.x, guess.y, guess.yaw});
+    // Scan matching (scan_match.hpp) and loop closures (loop_search.hpp) add their factors here.
+    if (!keys.empty())
+      online.Add(BetweenSe2Factor(keys.back(), key, {moved.x, moved.y, moved.yaw},
+                                  Noise::Sigmas({0.05, 0.05, 0.02}), "odometry"));
+    online.Update();
+    keys.push_back(key);
+    // Fourth, from your tf tree: robot_from_laser, where the laser is on the robot.
+    const LaserGeometry laser{scan.angle_min, scan.angle_increment, scan.range_max, {}};
+    live.AddNode(/*robot=*/0, laser, scan.ranges, guess);
+    live.UpdatePoses(*online.Latest(), keys);
+    live.Update(/*deadline=*/0.02);
+    Publish(live.Map()->Grid(), scan.header);
   }
 
-  PlanarPose PoseOf(std::uint32_t node) const {
-    const auto pose = online_.Latest()->At(Key("pose", node));
-    return {pose[0], pose[1], pose[2]};
-  }
-
-  template <class Stamp>
-  void Publish(const Stamp& stamp) {
-    const OccupancyGrid grid = live_.Map()->Grid();
-    nav_msgs::msg::OccupancyGrid message;
-    message.header.stamp = stamp;
+  void Publish(const OccupancyGrid& grid, const std_msgs::msg::Header& header) {
+    MapMessage message;
+    message.header = header;
     message.header.frame_id = "map";
     message.info.resolution = static_cast<float>(grid.resolution);
     message.info.width = static_cast<std::uint32_t>(grid.width);
     message.info.height = static_cast<std::uint32_t>(grid.height);
     message.info.origin.position.x = grid.map_from_grid.x;
     message.info.origin.position.y = grid.map_from_grid.y;
-    message.info.origin.orientation.w = 1;
-    for (const Occupancy cell : grid.cells)
-      message.data.push_back(cell == Occupancy::kUnknown ? -1 : cell == Occupancy::kFree ? 0 : 100);
-    map_->publish(message);
+    message.data = MapMessageData(grid);
+    map->publish(message);
   }
 
-  Online online_;
-  LiveMap live_;
-  PlanarPose odom_from_robot_, odom_at_node_;
-  std::uint32_t nodes_ = 0;
-  rclcpp::Publisher<nav_msgs::msg::OccupancyGrid>::SharedPtr map_;
-  rclcpp::Subscription<nav_msgs::msg::Odometry>::SharedPtr odometry_;
-  rclcpp::Subscription<sensor_msgs::msg::LaserScan>::SharedPtr scans_;
+  Online online{Builtins()};
+  LiveMap live;
+  PlanarPose odom_from_robot, odom_at_node;
+  std::vector<Key> keys;  // of the nodes
+  rclcpp::Publisher<MapMessage>::SharedPtr map =
+      create_publisher<MapMessage>("map", rclcpp::QoS(1).transient_local());
+  rclcpp::Subscription<OdometryMessage>::SharedPtr to_odometry;
+  rclcpp::Subscription<ScanMessage>::SharedPtr to_scans;
 };
 
 int main(int argc, char** argv) {
   rclcpp::init(argc, argv);
   rclcpp::spin(std::make_shared<Mapper>());
   rclcpp::shutdown();
-  return 0;
 }

@@ -7,7 +7,9 @@
 #include <thread>
 
 #include "../../solver/expect_error.hpp"
+#include "graticule/factors/builtins.hpp"
 #include "graticule/problems/mapping/projection_error.hpp"
+#include "graticule/solver/graph.hpp"
 #include "room.hpp"
 
 namespace graticule {
@@ -21,6 +23,28 @@ LiveMapOptions WithoutCover() {
   LiveMapOptions options;
   options.cover.on = false;
   return options;
+}
+
+TEST(LiveMap, TakesPosesOfAGraph) {
+  const LaserGeometry laser = Laser(360);
+  Graph graph(Builtins());
+  std::vector<Key> keys;
+  std::vector<PlanarPose> poses;
+  LiveMap by_values, by_poses;
+  for (const unsigned number : {7u, 3u}) {  // not in the graph's order
+    const PlanarPose pose{2.0 + number / 10.0, 3, 0.1 * number};
+    keys.emplace_back("pose", number);
+    poses.push_back(pose);
+    graph.Add(keys.back(), "se2/1", {pose.x, pose.y, pose.yaw});
+    for (LiveMap* map : {&by_values, &by_poses})
+      map->AddNode(0, laser, SweepRoom(laser, 360, pose, 6, 5), {});
+  }
+  by_values.UpdatePoses(graph.InitialValues(), keys);
+  by_poses.UpdatePoses(poses);
+  by_values.Update();
+  by_poses.Update();
+  EXPECT_GT(by_poses.Map()->Grid().cells.size(), 100u);
+  EXPECT_EQ(by_values.Map()->Grid().cells, by_poses.Map()->Grid().cells);
 }
 
 TEST(LiveMap, MapsARoom) {
@@ -291,6 +315,14 @@ TEST(LiveMap, RefusesBadInputAndStaysAsItWas) {
               [&] { map.UpdatePose(1, {}); });
   ExpectError(ErrorKind::kInput, {"1 nodes, found 2"},
               [&] { map.UpdatePoses(std::vector<PlanarPose>(2)); });
+  Graph graph(Builtins());
+  graph.Add(Key("pose:0"), "se2/1", {0, 0, 0});
+  graph.Add(Key("place:0"), "point2/1", {0, 0});
+  const Values values = graph.InitialValues();
+  ExpectError(ErrorKind::kInput, {"place:0", "se2/1", "2 numbers"},
+              [&] { map.UpdatePoses(values, {Key("place:0")}); });
+  ExpectError(ErrorKind::kInput, {"pose:1"}, [&] { map.UpdatePoses(values, {Key("pose:1")}); });
+  ExpectError(ErrorKind::kInput, {"1 nodes, found 0"}, [&] { map.UpdatePoses(values, {}); });
   ExpectError(ErrorKind::kInput, {"not in the cover"}, [&] { map.DrawnPose(5); });
   EXPECT_EQ(map.NodeCount(), 1u);
   map.Update();
