@@ -76,6 +76,7 @@ int Run(const WriteManualCommand& command, const Console&) {
     for (const ManualCommand* page : WithCommandsBelow(program))
       folder.Write(page->PageName() + ".1", ManualPage(*page, program, source));
     folder.Write("graticule-vision.1", VisionPage(source));
+    folder.Write("graticule-mpi.1", MpiPage(source));
     return kDone;
   }
   const std::string text = command.what == "bash"   ? BashCompletion(program)

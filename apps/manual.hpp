@@ -52,8 +52,9 @@ std::string Sentence(std::string text);
 /// What an option takes and is for, in sentences: its help, its choices or range, and its default.
 std::string Explained(const ManualOption& option, bool is_positional);
 
-/// The page of graticule-vision, which people have no need to call.
+/// The pages of graticule-vision and graticule-mpi, which people have no need to call.
 std::string VisionPage(const std::string& source);
+std::string MpiPage(const std::string& source);
 
 /// docs/reference.md: every command with its options, in one page.
 std::string MarkdownReference(const ManualCommand& program);

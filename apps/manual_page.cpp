@@ -170,4 +170,23 @@ std::string VisionPage(const std::string& source) {
          ".SH SEE ALSO\n\\fBgraticule\\fR(1)\n";
 }
 
+std::string MpiPage(const std::string& source) {
+  return Title("graticule-mpi", source) +
+         ".SH NAME\ngraticule\\-mpi \\- graticule over the processes of a launcher\n"
+         ".SH SYNOPSIS\n\\fBmpirun \\-n\\fR \\fIN\\fR \\fBgraticule compare\\fR ...\n"
+         ".br\n\\fBmpirun \\-n\\fR \\fIN\\fR \\fBgraticule signal tune\\fR ...\n"
+         ".br\n\\fBsrun \\-n\\fR \\fIN\\fR \\fBgraticule compare\\fR ...\n"
+         ".SH DESCRIPTION\n"
+         "Runs the commands of \\fBgraticule\\fR(1) that spread their work over the processes that "
+         "a "
+         "launcher has started. \\fBgraticule\\fR becomes this program by itself where it sees "
+         "one: "
+         "there is no need to call it. It takes the same words.\n"
+         ".SH ENVIRONMENT\n"
+         ".TP\n\\fBGRATICULE_LAUNCHER\\fR\n"
+         "\\fInone\\fR: a launcher is not looked for, and each process does its own work.\n"
+         ".SH SEE ALSO\n\\fBgraticule\\fR(1),\n\\fBgraticule\\-compare\\fR(1),\n"
+         "\\fBgraticule\\-signal\\-tune\\fR(1),\n\\fBmpirun\\fR(1)\n";
+}
+
 }  // namespace graticule::apps

@@ -12,7 +12,12 @@ add_custom_command(
   VERBATIM)
 add_custom_target(graticule_manual ALL DEPENDS "${GRATICULE_MANUAL_DIR}/written")
 
-install(DIRECTORY "${GRATICULE_MANUAL_DIR}/man1" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT runtime)
+install(DIRECTORY "${GRATICULE_MANUAL_DIR}/man1" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT runtime
+  PATTERN graticule-mpi.1.gz EXCLUDE)
+if(TARGET graticule_mpi)
+  install(FILES "${GRATICULE_MANUAL_DIR}/man1/graticule-mpi.1.gz" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1"
+    COMPONENT mpi)
+endif()
 install(FILES "${GRATICULE_MANUAL_DIR}/bash" RENAME graticule
   DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" COMPONENT runtime)
 install(FILES "${GRATICULE_MANUAL_DIR}/fish" RENAME graticule.fish

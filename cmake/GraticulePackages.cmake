@@ -1,5 +1,5 @@
 # Debian packages: `cpack` in the build tree writes graticule (the programs), libgraticule-dev (libraries,
-# headers, what finds them) and, where there is something to put into it, python3-graticule.
+# headers, what finds them) and, where there is something to put into them, python3-graticule and graticule-mpi.
 # tests/install/packages_test.py holds what is said here against what the packages need.
 set(GRATICULE_MAINTAINER "The Graticule authors <maintainers@graticule.example>" CACHE STRING
     "Maintainer of the Debian packages: Name <address>")
@@ -58,15 +58,28 @@ if(BUILD_SHARED_LIBS)
 endif()
 
 get_cmake_property(components COMPONENTS)
-if(python IN_LIST components)
-  list(APPEND CPACK_COMPONENTS_ALL python)
-endif()
+foreach(component IN ITEMS python mpi)
+  if(component IN_LIST components)
+    list(APPEND CPACK_COMPONENTS_ALL ${component})
+  endif()
+endforeach()
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-graticule)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${about}\n.\n\
 This package has the Python module.")
+
+# Of its own: who has one machine needs no MPI.
+set(CPACK_DEBIAN_MPI_PACKAGE_NAME graticule-mpi)
+set(CPACK_DEBIAN_MPI_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_MPI_PACKAGE_SHLIBDEPS ON)
+# The same version: it is a part of the program that it lies beside.
+set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS
+    "graticule (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), librsvg2-2")
+set(CPACK_DEBIAN_MPI_PACKAGE_RECOMMENDS "openmpi-bin")
+set(CPACK_DEBIAN_MPI_DESCRIPTION "${about}\n.\n\
+This package spreads comparisons and searches for parameters over the processes\nof mpirun or srun.")
 
 # Each package says its licence and its changes; with `cmake --install` these stay out.
 set(changelog "${PROJECT_BINARY_DIR}/packaging/changelog.Debian")

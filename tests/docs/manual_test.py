@@ -52,7 +52,7 @@ class Pages(unittest.TestCase):
         expected = {os.path.basename(page_file(words)) for words in LINE.all_commands()}
         self.assertGreater(len(expected), 25)
         self.assertEqual(set(os.listdir(os.path.join(MANUAL, "man1"))),
-                         expected | {"graticule-vision.1.gz"})
+                         expected | {"graticule-vision.1.gz", "graticule-mpi.1.gz"})
 
     def test_every_option_of_help_is_in_its_page(self):
         for words in LINE.all_commands():
@@ -73,7 +73,7 @@ class Pages(unittest.TestCase):
     def test_every_page_renders_without_a_warning(self):
         needs("man")
         needs("groff")
-        for words in LINE.all_commands() + [("vision",)]:
+        for words in LINE.all_commands() + [("vision",), ("mpi",)]:
             environment = dict(os.environ, MANWIDTH="80", LC_ALL="C.UTF-8")
             done = subprocess.run(["man", "--warnings", "-E", "UTF-8", "-l", page_file(words)],
                                   capture_output=True, text=True, env=environment)

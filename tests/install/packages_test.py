@@ -131,14 +131,19 @@ def check_content(debs):
             expect("changelog", f"({field(deb, 'Version')})" in changelog.readline())
     for file in ("bin/graticule", "bin/graticule-vision", "share/man/man1/graticule-solve.1.gz",
                  "share/man/man1/graticule-vision.1.gz", "share/bash-completion/completions/graticule",
-                 "share/graticule/configs/default.yaml", "include/graticule/solver/solve.hpp"):
+                 "share/graticule/configs/default.yaml", "include/graticule/solver/solve.hpp",
+                 *(f"share/doc/libgraticule-dev/examples/{name}"
+                   for name in ("embed/main.cpp", "plugin/radar.cpp", "lens/division.cpp",
+                                "ros2_node/mapper.cpp", "ros2_node/package.xml", "ros2_node/CMakeLists.txt"))):
         expect(f"{file} is in no package", os.path.exists(os.path.join(ROOT, "usr", file)))
 
 
 def check_runs(debs, depends):
     """Every shared library that the programs load is in a package that Depends leads to."""
     allowed = closure(names(field(debs["graticule"], "Depends")) | {"libc6"}, depends)
-    for name in ("graticule", "graticule-vision"):
+    for name in ("graticule", "graticule-vision", *(["graticule-mpi"] if "graticule-mpi" in debs else [])):
+        if name == "graticule-mpi":
+            allowed |= closure(names(field(debs[name], "Depends")), depends)
         program = os.path.join(ROOT, "usr/bin", name)
         expect("stripped", ".debug_info" not in run("readelf", "-S", program) and
                ".symtab" not in run("readelf", "-S", program))
@@ -158,9 +163,26 @@ def check_runs(debs, depends):
     run(graticule, "simulate", "city", "--robots", "2", "--poses", "50", "-o", problem, env=environment)
     run(graticule, "solve", problem, "--config", "robust-huber", "--plot", os.path.join(WORK, "c.png"),
         env=environment)
+    if "graticule-mpi" in debs:
+        check_launched(debs, graticule, problem, environment)
     scene = os.path.join(WORK, "scene")
     run(graticule, "simulate", "scene", "hallway", "-o", scene, env=environment)  # by graticule-vision
     expect("the scene was not written", os.path.exists(os.path.join(scene, "scan.pcd")))
+
+
+def check_launched(debs, graticule, problem, environment):
+    """Of one version with the program, which becomes graticule-mpi under a launcher."""
+    version = field(debs["graticule"], "Version")
+    depends = field(debs["graticule-mpi"], "Depends")
+    expect("graticule-mpi depends on its program", f"graticule (= {version})" in depends, depends)
+    expect("graticule-mpi depends on MPI", "openmpi" in depends, depends)
+    for file in ("bin/graticule-mpi", "share/man/man1/graticule-mpi.1.gz"):
+        expect(f"{file} is in no package", os.path.exists(os.path.join(ROOT, "usr", file)))
+    if shutil.which("mpirun"):
+        said = run("mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-n", "2", graticule, "compare", problem,
+                   "--configs", "default", "dogleg",
+                   env=dict(environment, OMPI_MCA_btl_vader_single_copy_mechanism="none"))
+        expect("compare by mpirun", "dogleg" in said, said)
 
 
 def check_develops(debs, depends):
