@@ -23,6 +23,7 @@
 #include "ground_truth.hpp"
 #include "map_files.hpp"
 #include "mission_files.hpp"
+#include "mission_recorder.hpp"
 #include "output_folder.hpp"
 #include "problem.hpp"
 

@@ -8,7 +8,7 @@
 #include "graticule/io/pose_sequence.hpp"
 #include "graticule/problems/mapping/graph_sequence.hpp"
 #include "graticule/problems/mapping/mission.hpp"
-#include "recorded_folder.hpp"
+#include "graticule/problems/mapping/recorded_folder.hpp"
 
 namespace graticule::apps {
 

@@ -19,9 +19,9 @@
 #include "graticule/problems/urban/town_radio.hpp"
 #include "graticule/problems/urban/town_scene.hpp"
 #include "mission_readme.hpp"
+#include "mission_recorder.hpp"
 #include "output_folder.hpp"
 #include "problem.hpp"
-#include "recorded_folder.hpp"
 
 namespace graticule::apps {
 namespace {

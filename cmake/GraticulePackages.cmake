@@ -52,6 +52,10 @@ set(CPACK_DEBIAN_DEV_DESCRIPTION "${about}\n.\n\
 This package has the libraries and headers, to embed it and to write\nplug-ins.")
 if(BUILD_SHARED_LIBS)
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+  # Where packages beside it find its libraries while they are made.
+  foreach(room IN ITEMS solver factors io problems)
+    list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/${room}")
+  endforeach()
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/packaging/triggers")
   string(PREPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
     "graticule (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), ")

@@ -27,12 +27,6 @@ Predictions Predicted(const SignalPredictor& predictor, const std::vector<Signal
   return {Owned(std::move(dbm)), Owned(std::move(sigma_db))};
 }
 
-MethodOptions SettingsOf(const std::map<std::string, double>& settings) {
-  MethodOptions options;
-  for (const auto& [name, value] : settings) SetSignalOption(&options, name, value);
-  return options;
-}
-
 void BindPredictor(py::module_& m) {
   py::class_<SignalPredictor, std::shared_ptr<SignalPredictor>>(
       m, "SignalPredictor",
@@ -82,7 +76,7 @@ void BindPredictor(py::module_& m) {
       [](const std::string& method) {
         py::dict settings;
         const MethodOptions defaults;
-        for (const SignalSetting* setting : graticule::SettingsOf(method))
+        for (const SignalSetting* setting : SettingsOf(method))
           settings[py::str(setting->name)] = setting->get(defaults);
         return settings;
       },
@@ -91,7 +85,7 @@ void BindPredictor(py::module_& m) {
   m.def(
       "make_predictor",
       [](const std::string& name, const std::map<std::string, double>& settings) {
-        return std::shared_ptr<SignalPredictor>(MakePredictor(name, SettingsOf(settings)));
+        return std::shared_ptr<SignalPredictor>(MakePredictor(name, OptionsOf(settings)));
       },
       "name"_a = kBestMethod, "settings"_a = std::map<std::string, double>(),
       "A predictor by its method's name.  settings: as `signal_settings` has them.");
@@ -126,7 +120,7 @@ void BindScores(py::module_& m) {
          const std::map<std::string, double>& settings, const ReplayOptions* options,
          const py::kwargs& keywords) {
         const ReplayOptions chosen = OptionsFrom(options, keywords);
-        const MethodOptions made = SettingsOf(settings);
+        const MethodOptions made = OptionsOf(settings);
         const py::gil_scoped_release released;
         return Replay(
             log,
@@ -154,7 +148,7 @@ void BindScores(py::module_& m) {
       "evaluate_hold_out",
       [](const SignalLog& log, const std::vector<HoldOut>& splits, const std::string& method,
          const std::shared_ptr<OccupancyGrid>& map, const std::map<std::string, double>& settings) {
-        const MethodOptions made = SettingsOf(settings);
+        const MethodOptions made = OptionsOf(settings);
         const py::gil_scoped_release released;
         return EvaluateHoldOut(log, splits, [&] {
           auto predictor = MakePredictor(method, made);
@@ -171,7 +165,14 @@ void BindPlanning(py::module_& m) {
   Record<TeamLink>(m, "TeamLink", "Two radios of a team, and how well they hear each other.")
       .Result("a", &TeamLink::a, "A radio's number.")
       .Result("b", &TeamLink::b, "A radio's number.")
-      .Result("probability", &TeamLink::probability, "That the strength is usable.");
+      .Result("probability", &TeamLink::probability, "That the strength is usable.")
+      .Class()
+      .def_property_readonly(
+          "dbm", [](const TeamLink& link) { return link.prediction.dbm; },
+          "Predicted strength, the mean of both ways [dBm].")
+      .def_property_readonly(
+          "sigma_db", [](const TeamLink& link) { return link.prediction.sigma_db; },
+          "Its standard deviation [dB].");
   Record<TeamConnectivity>(m, "TeamConnectivity", "Who can talk to whom.")
       .Result("links", &TeamConnectivity::links, "Every pair.")
       .Result("connected", &TeamConnectivity::connected,
@@ -180,6 +181,19 @@ void BindPlanning(py::module_& m) {
               "(n,) the links without which nobody is left out, the likeliest.");
   m.def("connect", &Connect, "predictor"_a, "radios"_a, "at_m"_a, "usable_dbm"_a,
         "The team's connectivity graph: radios: (n,) numbers; at_m: n places (3,) [m].");
+  Record<WorthwhilePlace>(m, "WorthwhilePlace", "A place to measure from.")
+      .Result("at_m", &WorthwhilePlace::at_m, "(3,) in the map's frame [m].")
+      .Result("gain_nats", &WorthwhilePlace::gain_nats,
+              "What one measurement to each of the others tells about the model [nats].")
+      .Result("sigma_db", &WorthwhilePlace::sigma_db,
+              "The largest predicted deviation among those [dB].");
+  m.def("where_to_measure", &WhereToMeasure, "predictor"_a, "noise_db"_a, "now_s"_a, "radio"_a,
+        "others"_a, "others_m"_a, "candidates_m"_a, "count"_a = 5, Released(),
+        "Where a robot should measure next, the best first, each as if those before had been "
+        "measured (greedy).  The predictor learns the imagined measurements: make one for this.  "
+        "noise_db: of one measurement [dB]; now_s: not before the last that was learnt [s]; radio: "
+        "the robot's number; others, others_m: (n,) numbers and n places (3,) [m] of the rest; "
+        "candidates_m: places (3,) that it may go to [m].");
 }
 
 }  // namespace

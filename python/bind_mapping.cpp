@@ -7,6 +7,7 @@
 #include "graticule/problems/mapping/front_end.hpp"
 #include "graticule/problems/mapping/mission_replay.hpp"
 #include "graticule/problems/mapping/placed_mission.hpp"
+#include "graticule/problems/mapping/recorded_folder.hpp"
 #include "graticule/problems/mapping/simulate.hpp"
 #include "observer.hpp"
 #include "poses.hpp"
@@ -110,6 +111,8 @@ void BindMission(py::module_& m) {
            "log"_a, "front_end"_a, "Of a log, and what the front end made of it: copies.")
       .def_readonly("log", &Mission::log, "Scans.")
       .def_readonly("graph", &Mission::graph, "se2/1 poses of the nodes.")
+      .def_readonly("datum", &Mission::datum,
+                    "Of the graph's world: x east and y north of here; None: it lies anyhow.")
       .def("__len__", [](const Mission& self) { return self.nodes.size(); })
       .def_property_readonly(
           "scans",
@@ -143,6 +146,14 @@ void BindMission(py::module_& m) {
       },
       "path"_a, "types"_a = nullptr, "The mission of a g2o file with scans after its vertices.");
   m.def(
+      "read_mission",
+      [](const std::string& path, const Registry* types) {
+        return ReadRecordedMission(OpenRecordedMission(path), TypesOf(types));
+      },
+      "path"_a, "types"_a = nullptr,
+      "A recorded mission (docs/mapping.md): its folder, or the `mission.index` in it.  The graph "
+      "is the last of its sequence.");
+  m.def(
       "mission_as_placed",
       [](const LaserLog& log, double distance, double turn, const Registry* types) {
         return MissionAsPlaced(log, TypesOf(types), distance, turn);
@@ -156,6 +167,20 @@ void BindMission(py::module_& m) {
       .def_property_readonly(
           "world_from_robot", [](const MissionStep& step) { return RowsOf(step.world_from_robot); },
           "(nodes, 3) x m, y m, yaw rad.");
+  m.def(
+      "read_mission_steps",
+      [](const std::string& path, double begin, double every_s, const Registry* types) {
+        const Registry known = TypesOf(types);
+        const py::gil_scoped_release released;
+        const RecordedFolder folder = OpenRecordedMission(path);
+        RecordedSequence sequence(folder, known, begin, every_s);
+        std::vector<MissionStep> steps;
+        for (MissionStep step; sequence.Next(&step);) steps.push_back(step);
+        return steps;
+      },
+      "path"_a, "begin"_a = 0.0, "every_s"_a = 0.0, "types"_a = nullptr,
+      "The sequence of graphs G_1 .. G_n of a recorded mission, as it was recorded.  every_s: of "
+      "each period from `begin` on [s] the last; 0: all.");
   m.def(
       "replay_mission",
       [](const Mission& mission, double every_s) {

@@ -2,8 +2,11 @@
 
 #include "bind.hpp"
 #include "graticule/io/comparison.hpp"
+#include "graticule/io/graph_plot.hpp"
 #include "graticule/io/report_html.hpp"
 #include "graticule/io/report_json.hpp"
+#include "graticule/io/svg.hpp"
+#include "graticule/problems/pose_graph/drawing.hpp"
 #include "graticule/solver/provenance.hpp"
 
 namespace graticule::python {
@@ -20,12 +23,28 @@ void BindReports(py::module_& module) {
       "report"_a, "file"_a = "", "The report as one JSON object; `file` is the problem's name.");
   module.def(
       "report_html",
-      [](const Report& report, const std::string& file) {
+      [](const Report& report, const std::string& file, const std::string& graph_svg) {
         ReportContext context;
         context.file = file;
-        return ReportHtml(report, context);
+        return ReportHtml(report, context, graph_svg);
       },
-      "report"_a, "file"_a = "", "The report as one self-contained page, for people.");
+      "report"_a, "file"_a = "", "graph_svg"_a = "",
+      "The report as one self-contained page, for people; graph_svg: its figure, from "
+      "`draw_graph`.");
+  module.def(
+      "draw_graph",
+      [](const Graph& graph, const Values& after, const Values* before, const std::string& title) {
+        GraphPlot plot = PlotOf(graph, before ? *before : after, after, title);
+        if (!before) plot.before.clear();
+        return DrawGraph(plot);
+      },
+      "graph"_a, "after"_a, "before"_a = nullptr, "title"_a = "", Released(),
+      "A graph of poses and landmarks seen from above, as SVG; edges are coloured by their chi2 at "
+      "`after`.  before: values for a second picture beside it.");
+  module.def(
+      "png_from_svg",
+      [](const std::string& svg, int width_px) { return py::bytes(PngFromSvg(svg, width_px)); },
+      "svg"_a, "width_px"_a = 1600, "The same picture as a PNG file, on white.");
 
   Record<ComparisonRun>(module, "ComparisonRun", "A problem solved with a configuration.")
       .Field("file", &ComparisonRun::file, "The problem.")

@@ -78,9 +78,12 @@ PYBIND11_MODULE(_graticule, module) {
   BindSignals(module);
   BindPoseGraph(module);
   BindOutliers(module);
+  BindGeography(module);
   BindMapping(module);
   BindLiveMap(module);
+  BindGnss(module);
   BindAttenuation(module);
+  BindSignalTuning(module);
   BindSignalSimulation(module);
   BindSegmentation(module);
   BindCoregistration(module);

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <map>
+#include <string>
 #include <vector>
 
 #include "arrays.hpp"
 #include "graticule/io/signal_log.hpp"
+#include "graticule/problems/attenuation/settings.hpp"
 
 namespace graticule::python {
 
@@ -19,5 +22,12 @@ std::vector<SignalLink> LinksOf(const Dense<double>& receivers_m,
                                 const std::optional<Dense<std::int64_t>>& transmitters,
                                 const std::optional<Dense<double>>& times_s);
 std::vector<SignalLink> LinksOf(const SignalLog& log);
+
+/// Settings by name, on top of the defaults.  Throws Error (kUsage): no such name.
+inline MethodOptions OptionsOf(const std::map<std::string, double>& settings) {
+  MethodOptions options;
+  for (const auto& [name, value] : settings) SetSignalOption(&options, name, value);
+  return options;
+}
 
 }  // namespace graticule::python

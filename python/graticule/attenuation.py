@@ -9,9 +9,11 @@ from ._graticule import (
     SignalMissionOptions,
     SignalPredictor,
     SignalScore,
+    SignalTuning,
     SimulatedSignal,
     TeamConnectivity,
     TeamLink,
+    WorthwhilePlace,
     best_method,
     connect,
     evaluate_hold_out,
@@ -23,7 +25,9 @@ from ._graticule import (
     replay_signal,
     signal_settings,
     simulate_signal,
+    tune_signal,
     unseen_radios,
+    where_to_measure,
 )
 
 __all__ = [
@@ -35,9 +39,11 @@ __all__ = [
     "SignalMissionOptions",
     "SignalPredictor",
     "SignalScore",
+    "SignalTuning",
     "SimulatedSignal",
     "TeamConnectivity",
     "TeamLink",
+    "WorthwhilePlace",
     "best_method",
     "connect",
     "evaluate_hold_out",
@@ -49,5 +55,7 @@ __all__ = [
     "replay_signal",
     "signal_settings",
     "simulate_signal",
+    "tune_signal",
     "unseen_radios",
+    "where_to_measure",
 ]

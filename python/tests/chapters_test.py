@@ -118,6 +118,39 @@ class Attenuation(unittest.TestCase):
         predictor.update(1.0)
         self.assertTrue(np.isfinite(predictor.predict(log)[0]).all())
 
+    def test_tuning_finds_what_predicts_better(self):
+        rng = np.random.default_rng(2)
+        count = 300
+        receivers = np.stack([np.linspace(0, 60, count), np.zeros(count)], axis=1)
+        slow = np.cumsum(rng.normal(0, 0.5, count))  # what shadows the link changes slowly
+        dbm = -40 - 20 * np.log10(receivers[:, 0] + 5) + slow + rng.normal(0, 1, count)
+        log = io.SignalLog(dbm, receivers, np.full((count, 2), [-5.0, 0]), times_s=np.arange(count) * 0.5)
+        tuned = attenuation.tune_signal([log], "persistence", horizons=2, max_evaluations=12)
+        self.assertEqual(tuned.evaluations, 12)
+        self.assertLess(tuned.mse, tuned.start_mse)
+        self.assertEqual(set(tuned.settings), set(attenuation.signal_settings("persistence")))
+        again = attenuation.replay_signal(log, "persistence", settings=tuned.settings, horizons=2)
+        self.assertAlmostEqual(again.all.mse, tuned.mse, delta=1e-9 * tuned.mse)
+        with self.assertRaisesRegex(graticule.UsageError, "nothing to tune"):
+            attenuation.tune_signal([log], "log-fit")
+        with self.assertRaisesRegex(graticule.UsageError, "maps"):
+            attenuation.tune_signal([log], "persistence", maps=[None, None])
+
+    def test_measures_where_least_is_known(self):
+        predictor = attenuation.make_predictor("log-fit+gp")
+        receivers = np.random.default_rng(4).uniform(0, 5, (60, 2))
+        log = io.SignalLog(np.full(60, -50.0), receivers, np.zeros((60, 2)), times_s=np.arange(60.0))
+        predictor.add_measurements(log)
+        predictor.update(60.0)
+        candidates = [[2.0, 2.0, 0], [40.0, 0, 0], [3.0, 1.0, 0]]
+        places = attenuation.where_to_measure(
+            predictor, noise_db=4, now_s=61, radio=0, others=[1], others_m=[[0, 0, 0]],
+            candidates_m=candidates, count=2)
+        self.assertEqual(len(places), 2)
+        np.testing.assert_array_equal(places[0].at_m, candidates[1])  # far from all that was measured
+        self.assertGreater(places[0].gain_nats, places[1].gain_nats)
+        self.assertGreater(places[0].sigma_db, 0)
+
     def test_names_are_checked(self):
         with self.assertRaises(graticule.UsageError):
             attenuation.make_predictor("no such method")

@@ -211,6 +211,21 @@ class Comparing(unittest.TestCase):
         self.assertEqual(plain["termination"], "converged")
         self.assertIn("<html", graticule.report_html(report))
 
+    def test_graphs_are_drawn(self):
+        graph = city()
+        before = graph.initial_values()
+        solution = graticule.solve(graph)
+        one = graticule.draw_graph(graph, solution.values)
+        both = graticule.draw_graph(graph, solution.values, before, title="a city")
+        self.assertTrue(one.startswith("<svg"))
+        self.assertNotIn("Before", one)
+        self.assertIn("Before", both)
+        self.assertIn("a city", both)
+        self.assertIn(one[:200], graticule.report_html(solution.report, graph_svg=one))
+        png = graticule.io.png_from_svg(one, 300)
+        self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(int.from_bytes(png[16:20], "big"), 300)
+
 
 if __name__ == "__main__":
     unittest.main()

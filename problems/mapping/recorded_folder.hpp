@@ -6,10 +6,11 @@
 #include "graticule/io/mission_index.hpp"
 #include "graticule/problems/mapping/graph_sequence.hpp"
 #include "graticule/problems/mapping/mission.hpp"
-#include "output_folder.hpp"
-#include "problem.hpp"
 
-namespace graticule::apps {
+namespace graticule {
+
+/// The file of a recorded mission's folder that says what is in it.
+constexpr const char* kMissionIndex = "mission.index";
 
 /// Whether a path is the folder of a recorded mission, or its index.
 bool IsRecordedMission(const std::string& path);
@@ -42,19 +43,4 @@ class RecordedSequence : public GraphSequence {
   Graph graph_;
 };
 
-/// Writes a mission as it is replayed: a graph a step, and in the end what they are of.
-class MissionRecorder {
- public:
-  /// An index that is there goes first: what it says is true no more.
-  MissionRecorder(const OutputFolder& folder, std::string title, std::string made_by);
-
-  void Keep(const MissionStep& step, Graph graph);
-  void Finish(const Mission& mission, const MissionStep& last);
-
- private:
-  const OutputFolder& folder_;
-  std::string title_, made_by_;
-  std::vector<MissionIndex::Graph> graphs_;
-};
-
-}  // namespace graticule::apps
+}  // namespace graticule

@@ -1,17 +1,15 @@
-#include "recorded_folder.hpp"
-
-#include <fmt/core.h>
+#include "graticule/problems/mapping/recorded_folder.hpp"
 
 #include <cmath>
 #include <filesystem>
 
 #include "graticule/io/file.hpp"
+#include "graticule/io/problem_file.hpp"
 #include "graticule/problems/mapping/recorded_mission.hpp"
+#include "graticule/solver/error.hpp"
 
-namespace graticule::apps {
+namespace graticule {
 namespace {
-
-constexpr const char* kIndex = "mission.index";
 
 Graph ReadGraph(const RecordedFolder& folder, const MissionIndex::Graph& step,
                 const Registry& types) {
@@ -22,7 +20,7 @@ Graph ReadGraph(const RecordedFolder& folder, const MissionIndex::Graph& step,
 
 bool IsRecordedMission(const std::string& path) {
   return std::filesystem::is_directory(path) ||
-         std::filesystem::path(path).filename().string() == kIndex;
+         std::filesystem::path(path).filename().string() == kMissionIndex;
 }
 
 RecordedFolder OpenRecordedMission(const std::string& path) {
@@ -31,9 +29,10 @@ RecordedFolder OpenRecordedMission(const std::string& path) {
   std::string folder = is_folder ? path : fs::path(path).parent_path().string();
   while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
   if (folder.empty()) folder = ".";
-  const std::string name = folder + "/" + kIndex;
+  const std::string name = folder + "/" + kMissionIndex;
   if (is_folder && !fs::exists(name))
-    throw Error(path + ": this folder is no recorded mission: there is no " + kIndex + " in it");
+    throw Error(path + ": this folder is no recorded mission: there is no " + kMissionIndex +
+                " in it");
   MissionIndex index = ParseMissionIndex(ReadFile(name), name);
   // All of them, before hours of work on the first.
   for (const MissionIndex::Graph& graph : index.graphs)
@@ -79,40 +78,4 @@ bool RecordedSequence::Next(MissionStep* step) {
   return true;
 }
 
-MissionRecorder::MissionRecorder(const OutputFolder& folder, std::string title, std::string made_by)
-    : folder_(folder), title_(std::move(title)), made_by_(std::move(made_by)) {
-  std::error_code ignored;
-  std::filesystem::remove(folder.Of(kIndex), ignored);
-  OutputFolder(folder.Of("graphs"));
-  OutputFolder(folder.Of("scans"));
-}
-
-void MissionRecorder::Keep(const MissionStep& step, Graph graph) {
-  Recording recording(graph.Types());
-  recording.graph = std::move(graph);
-  HoldEachPiece(&recording.graph);
-  const std::size_t number = graphs_.size() + 1;
-  recording.title = fmt::format("graph {} of {}, at {} s", number, title_, step.time);
-  recording.made_by = made_by_;
-  const std::string file = fmt::format("graphs/{:05}.fg", number);
-  // Binary: less than half of the text, and nothing to wait for.
-  WriteOptions options;
-  options.binary = true;
-  WriteProblem(folder_.Of(file), recording, options);
-  graphs_.push_back({file, step.time, step.nodes, 0});
-}
-
-void MissionRecorder::Finish(const Mission& mission, const MissionStep& last) {
-  MissionIndex index = IndexOf(mission);
-  index.title = title_;
-  index.made_by = made_by_;
-  index.graphs = graphs_;
-  for (std::uint32_t robot = 0; robot < mission.log.robots.size(); ++robot) {
-    const std::string text = FormatScans(mission, robot, last.world_from_robot);
-    if (!text.empty()) folder_.Write("scans/" + mission.log.robots[robot] + ".g2o.gz", text);
-  }
-  // Last: where there is an index, all that it names is there.
-  folder_.Write(kIndex, FormatMissionIndex(index));
-}
-
-}  // namespace graticule::apps
+}  // namespace graticule
