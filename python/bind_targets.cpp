@@ -131,8 +131,8 @@ void BindSimulation(py::module_& m) {
           },
           "(n,)");
   m.def("layout_of", &LayoutOf, "target"_a, "A target as its description has it.");
-  m.def("mosaic_layout", &MosaicLayout, "columns"_a = 8, "rows"_a = 6, "pitch_m"_a = 0.0381,
-        "A mosaic of square tags in rows.");
+  m.def("aprilcal_mosaic", &AprilCalMosaic, "columns"_a = 8, "rows"_a = 6, "pitch_m"_a = 0.0381,
+        "A mosaic of tag36h11, pitch_m from a tag to the next; by default AprilCal's.");
   m.def(
       "study_lenses",
       [] {

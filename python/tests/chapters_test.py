@@ -187,7 +187,7 @@ class Calibration(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.truth = calibration.study_lenses()[0][1]
-        cls.layout = calibration.mosaic_layout()
+        cls.layout = calibration.layout_of(calibration.aprilcal_mosaic())
         cls.frames = calibration.simulate_detections(cls.truth, cls.layout, frames=8, seed=3)
         cls.solved = calibration.calibrate(cls.frames)
 
