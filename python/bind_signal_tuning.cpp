@@ -1,9 +1,5 @@
-#include <cmath>
-
 #include "bind.hpp"
-#include "graticule/problems/attenuation/methods.hpp"
-#include "graticule/problems/attenuation/replay.hpp"
-#include "graticule/problems/attenuation/tune.hpp"
+#include "graticule/problems/attenuation/tune_method.hpp"
 #include "signals.hpp"
 
 namespace graticule::python {
@@ -13,97 +9,69 @@ using namespace py::literals;
 
 using Maps = std::vector<std::shared_ptr<OccupancyGrid>>;
 
-/// What a search has found.
-struct SignalTuning {
-  std::map<std::string, double> settings;
-  double mse = 0, start_mse = 0;
-  std::size_t evaluations = 0;
-  bool has_converged = false;
-};
-
-// Over all predictions of all logs [dB^2].
-double MeanSquaredError(const std::vector<SignalLog>& logs, const Maps& maps,
-                        const std::string& method, const MethodOptions& options,
-                        const ReplayOptions& replay) {
-  double sum = 0, count = 0;
-  for (std::size_t i = 0; i < logs.size(); ++i) {
-    const auto make = [&] {
-      auto predictor = MakePredictor(method, options);
-      if (!maps.empty() && maps[i]) predictor->SetMap(maps[i]);
-      return predictor;
-    };
-    const SignalScore score = Replay(logs[i], make, replay).all;
-    const auto predictions = static_cast<double>(score.count);
-    if (predictions > 0) sum += score.mse * predictions;
-    count += predictions;
-  }
-  return count > 0 ? sum / count : std::nan("");
-}
-
-SignalTuning Tune(const std::vector<SignalLog>& logs, const std::string& method, const Maps& maps,
-                  const std::map<std::string, double>& settings, const ReplayOptions& replay,
-                  std::size_t max_evaluations, std::size_t threads) {
-  const std::vector<const SignalSetting*> searched = SettingsOf(method);
-  if (searched.empty()) throw Error(method + " has nothing to tune", ErrorKind::kUsage);
-  if (logs.empty()) throw Error("logs: expected one at least", ErrorKind::kUsage);
+std::vector<TrainingLog> TrainingLogs(std::vector<SignalLog> logs, const Maps& maps) {
   if (!maps.empty() && maps.size() != logs.size())
     throw Error("maps: expected one for each of " + std::to_string(logs.size()) + " logs, found " +
                     std::to_string(maps.size()),
                 ErrorKind::kUsage);
-  const MethodOptions from = OptionsOf(settings);
-  CompassOptions search;
-  std::vector<double> start;
-  for (const SignalSetting* setting : searched) {
-    start.push_back(setting->get(from));
-    search.scale.push_back(setting->step);
-    search.lower.push_back(setting->lower);
-    search.upper.push_back(setting->upper);
-  }
-  search.last_step = 0.2;  // as the program's
-  search.max_evaluations = max_evaluations;
-  search.threads = threads;
-  const CompassResult found = CompassSearch(
-      [&](const std::vector<double>& numbers) {
-        MethodOptions tried = from;
-        for (std::size_t i = 0; i < searched.size(); ++i) searched[i]->set(&tried, numbers[i]);
-        return MeanSquaredError(logs, maps, method, tried, replay);
-      },
-      start, search);
-  SignalTuning tuning;
-  for (std::size_t i = 0; i < searched.size(); ++i)
-    tuning.settings[searched[i]->name] = found.best[i];
-  tuning.mse = found.value;
-  tuning.start_mse = found.start_value;
-  tuning.evaluations = found.evaluations;
-  tuning.has_converged = found.has_converged;
-  return tuning;
+  std::vector<TrainingLog> training;
+  for (std::size_t i = 0; i < logs.size(); ++i)
+    training.push_back({std::move(logs[i]),
+                        maps.empty() ? nullptr : maps[i],
+                        {},
+                        "logs[" + std::to_string(i) + "]"});
+  return training;
 }
 
 }  // namespace
 
 void BindSignalTuning(py::module_& module) {
-  Record<SignalTuning>(module, "SignalTuning", "What a search for a method's settings has found.")
-      .Result("settings", &SignalTuning::settings, "As `make_predictor` takes them.")
-      .Result("mse", &SignalTuning::mse, "Mean squared error with them [dB^2].")
-      .Result("start_mse", &SignalTuning::start_mse, "Where the search began [dB^2].")
-      .Result("evaluations", &SignalTuning::evaluations, "Replays of all logs.")
-      .Result("has_converged", &SignalTuning::has_converged, "False: max_evaluations came first.");
+  py::enum_<TuneBy>(module, "TuneBy", "What a search for settings makes least.")
+      .value("MSE", TuneBy::kMse, "The mean squared error [dB^2].")
+      .value("NEGATIVE_LOG_LIKELIHOOD", TuneBy::kNegativeLogLikelihood,
+             "Which judges the deviations, too.");
+  py::class_<TuneResult, std::shared_ptr<TuneResult>>(
+      module, "SignalTuning", "What a search for a method's settings has found.")
+      .def_readonly("score", &TuneResult::after, "Mean of the logs' scores with them.")
+      .def_readonly("start_score", &TuneResult::before, "Where the search began.")
+      .def_property_readonly(
+          "settings",
+          [](const TuneResult& self) {
+            std::map<std::string, double> settings;
+            for (std::size_t i = 0; i < self.settings.size(); ++i)
+              settings[self.settings[i]->name] = self.search.best[i];
+            return settings;
+          },
+          "As `make_predictor` takes them.")
+      .def_property_readonly(
+          "evaluations", [](const TuneResult& self) { return self.search.evaluations; },
+          "Replays of all logs.")
+      .def_property_readonly(
+          "has_converged", [](const TuneResult& self) { return self.search.has_converged; },
+          "False: max_evaluations came first.");
   module.def(
       "tune_signal",
-      [](const std::vector<SignalLog>& logs, const std::string& method, const Maps& maps,
-         const std::map<std::string, double>& settings, std::size_t max_evaluations,
-         std::size_t threads, const ReplayOptions* options, const py::kwargs& keywords) {
-        const ReplayOptions replay = OptionsFrom(options, keywords);
+      [](std::vector<SignalLog> logs, const std::string& method, const Maps& maps,
+         const std::map<std::string, double>& settings, const std::vector<std::string>& only,
+         TuneBy by, std::size_t max_evaluations, std::size_t threads, const ReplayOptions* options,
+         const py::kwargs& keywords) {
+        TuneOptions tune;
+        tune.by = by;
+        tune.replay = OptionsFrom(options, keywords);
+        tune.only = only;
+        tune.max_evaluations = max_evaluations;
+        tune.threads = threads;
         const py::gil_scoped_release released;
-        return Tune(logs, method, maps, settings, replay, max_evaluations, threads);
+        return TuneMethod(method, TrainingLogs(std::move(logs), maps), OptionsOf(settings), tune);
       },
       "logs"_a, "method"_a = kBestMethod, "maps"_a = Maps(),
-      "settings"_a = std::map<std::string, double>(), "max_evaluations"_a = 200, "threads"_a = 1,
-      "options"_a = nullptr,
-      "The settings with which a method predicts recorded logs with the least mean squared error, "
-      "all horizons together, by the compass search of thesis 3.3.1, as `graticule signal tune`.  "
-      "maps: one a log, or none; settings: where the search begins.  The result does not depend "
-      "on `threads`.  Options of the replay also as keywords.");
+      "settings"_a = std::map<std::string, double>(), "only"_a = std::vector<std::string>(),
+      "by"_a = TuneBy::kMse, "max_evaluations"_a = 200, "threads"_a = 1, "options"_a = nullptr,
+      "The settings with which a method predicts recorded logs best, all horizons together, by the "
+      "compass search of thesis 3.3.1, as `graticule signal tune`.  maps: one a log, or none; "
+      "settings: where the search begins; only: the names of those that are searched, by default "
+      "all that the method depends on.  The result does not depend on `threads`.  Options of the "
+      "replay also as keywords.");
 }
 
 }  // namespace graticule::python

@@ -127,10 +127,10 @@ class Attenuation(unittest.TestCase):
         log = io.SignalLog(dbm, receivers, np.full((count, 2), [-5.0, 0]), times_s=np.arange(count) * 0.5)
         tuned = attenuation.tune_signal([log], "persistence", horizons=2, max_evaluations=12)
         self.assertEqual(tuned.evaluations, 12)
-        self.assertLess(tuned.mse, tuned.start_mse)
+        self.assertLess(tuned.score, tuned.start_score)
         self.assertEqual(set(tuned.settings), set(attenuation.signal_settings("persistence")))
         again = attenuation.replay_signal(log, "persistence", settings=tuned.settings, horizons=2)
-        self.assertAlmostEqual(again.all.mse, tuned.mse, delta=1e-9 * tuned.mse)
+        self.assertAlmostEqual(again.all.mse, tuned.score, delta=1e-9 * tuned.score)
         with self.assertRaisesRegex(graticule.UsageError, "nothing to tune"):
             attenuation.tune_signal([log], "log-fit")
         with self.assertRaisesRegex(graticule.UsageError, "maps"):
