@@ -119,6 +119,7 @@ class Follower {
       node.odometry_step =
           Inverse(log_.scans[track_.nodes.back().scan].odom_from_robot) * own.odom_from_robot;
     track_.nodes.push_back(std::move(node));
+    between_.push_back(PointsBetween(log_, own, surface_));
 
     // What the next scans are matched against, in this node's frame.
     const std::vector<TrackNode>& nodes = track_.nodes;
@@ -127,7 +128,9 @@ class Follower {
     for (std::size_t back = 0; back < nodes.size() && back < kOlderReach * recent;
          back += back + 1 < recent ? 1 : kOlderStep) {
       const TrackNode& own_node = nodes[nodes.size() - 1 - back];
-      AppendTransformed(own_node.points, Inverse(pose_) * own_node.pose, &reference_);
+      const PlanarPose pose_from_own = Inverse(pose_) * own_node.pose;
+      AppendTransformed(own_node.points, pose_from_own, &reference_);
+      AppendTransformed(between_[nodes.size() - 1 - back], pose_from_own, &reference_);
     }
     grid_.Build(reference_, 0, 0, options_.max_range + 1);
     index_.Build(reference_);
@@ -139,7 +142,8 @@ class Follower {
   Track track_;
   PlanarPose pose_, odometry_;
   int still_ = 0;
-  double worst_matched_ = 1;  // since the last node
+  double worst_matched_ = 1;                        // since the last node
+  std::vector<std::vector<SurfacePoint>> between_;  // of each node, what its readings leave out
   std::vector<SurfacePoint> reference_;
   LikelihoodGrid grid_{kCell, kBlur};
   CorrelativeMatcher matcher_;

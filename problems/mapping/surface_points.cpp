@@ -10,6 +10,9 @@ constexpr int kNeighbours = 4;             // to each side, for a normal
 constexpr double kNeighbourReach = 0.35;   // m
 constexpr double kLargestRoughness = 0.2;  // of the spread across to the spread along
 constexpr double kGrazing = 0.25;          // sine of the angle between beam and surface
+constexpr double kFilled = 0.1;   // m, from a point of a surface to the next, after filling
+constexpr double kWidestGap = 4;  // m, that is filled
+constexpr double kOnLine = 0.04;  // m, from the line that readings of one surface are on
 
 struct Point {
   double x, y, range;
@@ -56,10 +59,8 @@ bool Normal(const std::vector<Point>& points, std::size_t i, double step, const 
   return true;
 }
 
-}  // namespace
-
-std::vector<SurfacePoint> SurfacePoints(const LaserLog& log, const LaserScan& scan,
-                                        const SurfaceOptions& options) {
+std::vector<Point> Readings(const LaserLog& log, const LaserScan& scan,
+                            const SurfaceOptions& options) {
   const LaserGeometry& geometry = log.GeometryOf(scan);
   const Span<const float> ranges = log.RangesOf(scan);
   const double far =
@@ -75,6 +76,40 @@ std::vector<SurfacePoint> SurfacePoints(const LaserLog& log, const LaserScan& sc
                                         &point.y);
     points.push_back(point);
   }
+  return points;
+}
+
+/// Whether the surface that four readings are of goes on between the two in the middle: they are
+/// of beams one after the other, and on a line.
+bool GoesOn(const Point* four) {
+  if (four[3].beam - four[0].beam != 3) return false;
+  double x = 0, y = 0;
+  for (int i = 0; i < 4; ++i) x += four[i].x / 4, y += four[i].y / 4;
+  double xx = 0, xy = 0, yy = 0;
+  for (int i = 0; i < 4; ++i) {
+    const double dx = four[i].x - x, dy = four[i].y - y;
+    xx += dx * dx, xy += dx * dy, yy += dy * dy;
+  }
+  const double angle = std::atan2(2 * xy, xx - yy) / 2;
+  const double c = std::cos(angle), s = std::sin(angle);
+  double last = 0;
+  for (int i = 0; i < 4; ++i) {
+    const double dx = four[i].x - x, dy = four[i].y - y;
+    if (std::abs(c * dy - s * dx) > kOnLine) return false;
+    const double along = c * dx + s * dy;
+    // They follow each other along it.
+    if (i > 1 && (along > last) != (last > c * (four[0].x - x) + s * (four[0].y - y))) return false;
+    last = along;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<SurfacePoint> SurfacePoints(const LaserLog& log, const LaserScan& scan,
+                                        const SurfaceOptions& options) {
+  const LaserGeometry& geometry = log.GeometryOf(scan);
+  const std::vector<Point> points = Readings(log, scan, options);
   const Point eye{geometry.robot_from_laser.x, geometry.robot_from_laser.y, 0, 0};
   std::vector<SurfacePoint> surface;
   surface.reserve(points.size());
@@ -90,6 +125,27 @@ std::vector<SurfacePoint> SurfacePoints(const LaserLog& log, const LaserScan& sc
     last_x = point.x, last_y = point.y;
   }
   return surface;
+}
+
+std::vector<SurfacePoint> PointsBetween(const LaserLog& log, const LaserScan& scan,
+                                        const SurfaceOptions& options) {
+  const PlanarPose& laser = log.GeometryOf(scan).robot_from_laser;
+  const std::vector<Point> points = Readings(log, scan, options);
+  std::vector<SurfacePoint> between;
+  for (std::size_t i = 1; i + 2 < points.size(); ++i) {
+    const Point &a = points[i], &b = points[i + 1];
+    const double dx = b.x - a.x, dy = b.y - a.y, gap = std::hypot(dx, dy);
+    if (gap <= kFilled || gap > kWidestGap || !GoesOn(&points[i - 1])) continue;
+    double nx = -dy / gap, ny = dx / gap;
+    if (nx * (laser.x - a.x) + ny * (laser.y - a.y) < 0) nx = -nx, ny = -ny;
+    const int parts = static_cast<int>(std::ceil(gap / kFilled));
+    for (int k = 1; k < parts; ++k) {
+      const double part = static_cast<double>(k) / parts;
+      between.push_back({static_cast<float>(a.x + part * dx), static_cast<float>(a.y + part * dy),
+                         static_cast<float>(nx), static_cast<float>(ny)});
+    }
+  }
+  return between;
 }
 
 void AppendTransformed(const std::vector<SurfacePoint>& points, const PlanarPose& frame,

@@ -25,6 +25,13 @@ struct SurfaceOptions {
 std::vector<SurfacePoint> SurfacePoints(const LaserLog& log, const LaserScan& scan,
                                         const SurfaceOptions& options = {});
 
+/// Points of surfaces between readings that lie far apart on them, 0.1 m from one to the next.
+/// Where a beam hits a wall far off, or slantingly, its neighbours hit it metres away, and the
+/// next sweep hits it at the same places seen from the robot, wherever that has gone: against
+/// readings alone such a wall says that the robot has not moved.
+std::vector<SurfacePoint> PointsBetween(const LaserLog& log, const LaserScan& scan,
+                                        const SurfaceOptions& options = {});
+
 /// Adds the points, seen from another frame, to `to`.
 void AppendTransformed(const std::vector<SurfacePoint>& points, const PlanarPose& frame,
                        std::vector<SurfacePoint>* to);
