@@ -7,10 +7,10 @@
 #include <thread>
 
 #include "graticule/problems/mapping/likely_turns.hpp"
-#include "graticule/problems/parallel_for.hpp"
 #include "graticule/problems/mapping/point_refine.hpp"
 #include "graticule/problems/mapping/pose_noise.hpp"
 #include "graticule/problems/mapping/scan_match.hpp"
+#include "graticule/problems/parallel_for.hpp"
 
 namespace graticule {
 namespace {
