@@ -59,6 +59,9 @@ void OnAbort(int) {
 void EndCleanlyWhereLibrariesAbort() {
   std::signal(SIGABRT, OnAbort);
   std::signal(SIGTRAP, OnAbort);  // GLib's way
+  // Fontconfig's: it goes on with what it did not get.  Elsewhere a fault leaves its core.
+  rlimit limit;
+  if (Limited(&limit)) std::signal(SIGSEGV, OnAbort);
 }
 
 void TakeMemoryOfBlas() {

@@ -9,6 +9,7 @@ void TakeMemoryOfBlas();
 
 /// From here on a library that aborts (Ceres and GLib do where memory runs out under them) ends the
 /// program with one error and an exit code: kOtherFailure where memory is limited, else kInternal.
+/// Where memory is limited so does one that crashes, as fontconfig does.
 void EndCleanlyWhereLibrariesAbort();
 
 }  // namespace graticule::apps
