@@ -150,14 +150,13 @@ TEST_F(BagTest, MakesTheMapOfTheLog) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.out;
   };
-  map(Path("mission/robot1.log"), "of_log");
   EXPECT_NE(map(bag, "of_bag").find("31 scans of /scan, odometry of /odom"), std::string::npos);
-  // Angles are of single precision in a bag, and times larger: a few cells on a border may differ.
-  const std::string a = ReadWhole(Path("of_log/map.pgm")), b = ReadWhole(Path("of_bag/map.pgm"));
-  ASSERT_EQ(a.size(), b.size());
-  std::size_t differ = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) differ += a[i] != b[i];
-  EXPECT_LE(differ, a.size() / 2000);
+  // As a log with the digits that a bag holds: angles are of single precision there, and a search
+  // among cells may end in another one for less.
+  LaserLog read;
+  ReadBagLaser(bag, {}, &read);
+  map(Write("robot.log", FormatCarmen(read, 0)), "of_log");
+  EXPECT_TRUE(ReadWhole(Path("of_log/map.pgm")) == ReadWhole(Path("of_bag/map.pgm")));
 }
 
 TEST_F(BagTest, SaysWhatItHasWhereATopicIsMissing) {
