@@ -199,8 +199,8 @@ void AddMap(CLI::App* app, Chosen* chosen) {
                   "of bags: nav_msgs/Odometry; by default /odom, or the only one, else the "
                   "transforms from the frame odom");
   sub->add_option("--relations", command->relations,
-                  "true relations between poses at two times (Kuemmerle et al. 2009): t1 t2 x y z "
-                  "roll pitch yaw");
+                  "true relations between a robot's poses at two times (Kuemmerle et al. 2009), of "
+                  "one log: t1 t2 x y z roll pitch yaw");
   sub->add_flag("--record", command->record,
                 "record the mission in the folder: the factor graph of every update, the "
                 "scans and an index");

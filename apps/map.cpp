@@ -172,6 +172,9 @@ int Run(const MapCommand& command, const Console& console) {
   console.Progress("");
 
   const OccupancyGrid grid = map->Grid();
+  if (grid.cells.empty())
+    throw Error(command.logs.front() +
+                ": the map is empty: no reading of a scan is below its laser's largest range");
   const auto count = [&](Occupancy what) {
     return static_cast<std::size_t>(std::count(grid.cells.begin(), grid.cells.end(), what));
   };

@@ -11,6 +11,7 @@
 #include "graticule/io/bag_laser.hpp"
 #include "graticule/io/carmen.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/problem_file.hpp"
 #include "graticule/io/readable.hpp"
 #include "graticule/problems/mapping/front_end.hpp"
 #include "graticule/problems/mapping/mission_replay.hpp"
@@ -32,12 +33,11 @@ std::string TitleOf(const std::string& path) {
 }
 
 Mission FromG2o(const std::string& file, const MapCommand& command, const Registry& types,
-                const Console& console) {
-  Reading reading = command.reading;
-  reading.skip_unknown = true;  // the scans, which are read by another
-  Console silent = console;
-  silent.quiet = true;  // of what was skipped
-  Recording recording = Load(file, reading, types, silent);
+                MapReport* report) {
+  ReadOptions options = OptionsOf(command.reading);
+  options.pass_over_sweeps = true;
+  Recording recording = ReadProblem(file, types, options);
+  for (std::string& note : NotesOf(recording, file)) report->warnings.push_back(std::move(note));
   return MissionFromG2o(std::move(recording.graph), ParseG2oLaser(ReadFile(file), file), file);
 }
 
@@ -141,6 +141,15 @@ void AddRelations(const MapCommand& command, const LaserLog& log,
                   const std::vector<PlanarPose>& world_from_scan, MapReport* report) {
   if (command.relations.empty()) return;
   const RelationError error = ErrorOf(log, world_from_scan, command.relations);
+  const std::string& file = command.relations;
+  if (error.relations == 0)
+    throw Error(file +
+                ": none of its relations is between times at which there are scans: is it "
+                "of this log?");
+  if (error.unmatched > error.relations)
+    report->warnings.push_back(fmt::format("{}: {} of its {} relations are at times without scans",
+                                           file, error.unmatched,
+                                           error.unmatched + error.relations));
   report->facts.emplace_back(
       "relations",
       fmt::format("{} ({} unmatched): {:.4f} ± {:.4f} m, {:.3f} ± {:.3f} degrees", error.relations,
@@ -235,6 +244,8 @@ LoadedMission LoadMission(const MapCommand& command, const Registry& types, MapR
                                       std::pair(command.keep_poses, "--keep-poses"),
                                       std::pair(command.gnss == "log", "--gnss log")})
     if (given && !is_log) refuse(std::string(option) + " needs logs, not a mission with a graph");
+  if (!command.relations.empty() && command.logs.size() > 1)
+    refuse("--relations are those of one robot: it goes with one log");
   if (!command.antenna.empty() && command.gnss.empty()) refuse("--antenna goes with --gnss");
 
   report->title = TitleOf(first);
@@ -248,7 +259,7 @@ LoadedMission LoadMission(const MapCommand& command, const Registry& types, MapR
     if (!loaded.recorded->index.title.empty()) report->title = loaded.recorded->index.title;
   } else if (graphs > 0) {
     const auto file = std::find_if(command.logs.begin(), command.logs.end(), is(".g2o"));
-    mission = FromG2o(*file, command, types, console);
+    mission = FromG2o(*file, command, types, report);
   } else {
     mission = command.keep_poses ? Placed(command, types, report)
                                  : FromLogs(command, types, report, console);

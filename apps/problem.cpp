@@ -37,17 +37,27 @@ Registry LoadTypes(const Reading& reading) {
   return types;
 }
 
-Recording Load(const std::string& file, const Reading& reading, const Registry& types,
-               const Console& console) {
+ReadOptions OptionsOf(const Reading& reading) {
   ReadOptions options;
   options.skip_unknown = reading.skip_unknown;
   options.repair_information = reading.repair_information;
   if (!reading.g2o_rotation.empty()) options.rotation = G2oRotationFromWord(reading.g2o_rotation);
-  Recording recording = ReadProblem(file, types, options);
+  return options;
+}
+
+std::vector<std::string> NotesOf(const Recording& recording, const std::string& file) {
+  std::vector<std::string> notes;
   for (const auto& [tag, count] : recording.skipped)
-    console.Note(fmt::format("{}: skipped {} lines of {}", file, count, tag));
-  for (const std::string& note : recording.notes) console.Note(file + ": " + note);
-  if (recording.repaired) console.Note(file + ": " + ToString(*recording.repaired));
+    notes.push_back(fmt::format("{}: skipped {} lines of {}", file, count, tag));
+  for (const std::string& note : recording.notes) notes.push_back(file + ": " + note);
+  if (recording.repaired) notes.push_back(file + ": " + ToString(*recording.repaired));
+  return notes;
+}
+
+Recording Load(const std::string& file, const Reading& reading, const Registry& types,
+               const Console& console) {
+  Recording recording = ReadProblem(file, types, OptionsOf(reading));
+  for (const std::string& note : NotesOf(recording, file)) console.Note(note);
   return recording;
 }
 

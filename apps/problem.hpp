@@ -16,6 +16,11 @@ namespace graticule::apps {
 /// (kMissingType).
 Registry LoadTypes(const Reading& reading);
 
+/// What the words say of reading.
+ReadOptions OptionsOf(const Reading& reading);
+/// What has to be said of a file as it was read: lines that were skipped, matrices that were
+/// repaired.  Each begins with the file's name.
+std::vector<std::string> NotesOf(const Recording& recording, const std::string& file);
 /// Reads a problem as the words say, and notes on stderr what was skipped.
 Recording Load(const std::string& file, const Reading& reading, const Registry& types,
                const Console& console);

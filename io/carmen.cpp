@@ -198,6 +198,7 @@ class Reader {
     reader_.Double("the field of view");
     geometry.step = reader_.Double("the step of the angle");
     geometry.max_range = reader_.Double("the largest range");
+    if (!(geometry.max_range > 0)) reader_.FailExpected("a range above 0", "the largest range");
     reader_.Double("the accuracy");
     reader_.Double("the remission mode");
     LaserScan scan = Begin(reader_.Integer("the number of ranges"));

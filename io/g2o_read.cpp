@@ -70,6 +70,8 @@ class Reader {
       fixes_.push_back(reader_.WordOffset());
     } else if (word == "PARAMS_SE3OFFSET") {
       ReadOffset();
+    } else if (word == "ROBOTLASER1" && options_.pass_over_sweeps) {
+      return;
     } else {
       skipped_.Add(word, reader_.WordOffset());
     }

@@ -14,7 +14,7 @@ namespace graticule {
 struct LaserGeometry {
   double first_angle = 0;  ///< rad, of the first beam, in the laser's frame: x ahead, y left
   double step = 0;         ///< rad, from one beam to the next
-  double max_range = 0;    ///< m; a reading at or above it saw nothing ("no return")
+  double max_range = 0;    ///< m; a reading at or above it saw nothing ("no return"); 0: not known
   PlanarPose robot_from_laser;
 };
 

@@ -97,6 +97,7 @@ class Reader {
     laser.first_angle = reader_.Double("the first angle");
     laser.step = reader_.Double("the angle between beams");
     laser.max_range = reader_.Double("the maximum range");
+    if (laser.max_range < 0) reader_.FailExpected("0 m (not known) or more", "the maximum range");
     laser.robot_from_laser = ReadPose();
     reader_.ExpectEnd();
     index_.lasers.push_back(laser);

@@ -26,6 +26,9 @@ struct ReadOptions {
   /// Information matrices that are not positive definite are projected (ProjectInformation) and
   /// recorded, instead of refused.
   bool repair_information = false;
+  /// ROBOTLASER1 lines of a g2o file, sweeps of a laser, are passed over in silence: ParseG2oLaser
+  /// reads them.
+  bool pass_over_sweeps = false;
 };
 
 }  // namespace graticule

@@ -277,7 +277,8 @@ class Builder {
 
   void Refine(LoopSearch* search) {
     std::vector<Closure> all = believed_;
-    for (int round = 0; round < options_.overlap_rounds; ++round) {
+    int round = 0;
+    for (; round < options_.overlap_rounds; ++round) {
       if (!Tell("refining", static_cast<double>(round) / options_.overlap_rounds)) break;
       const std::vector<Closure> overlaps = search->Overlaps(poses_);
       all.resize(believed_.size());
@@ -285,6 +286,8 @@ class Builder {
       mission_.report.overlaps = overlaps.size();
       TakePoses(Solve(Whole(all), options_.solve).values);
     }
+    // So far solved without the losses that it is handed on with.
+    if (round == 0) TakePoses(Solve(Whole(all), options_.solve).values);
     mission_.graph = Whole(all);
     mission_.world_from_node = poses_;
   }

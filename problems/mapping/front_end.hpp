@@ -94,8 +94,7 @@ using FrontEndObserver = std::function<bool(const std::string& stage, double don
 /// 3. With poses known, all stretches that overlap are matched on their points, and the graph is
 ///    solved once more.
 ///
-/// Deterministic whatever `threads` is.  Throws Error: no scan, a scan without any point where a
-/// robot begins.
+/// Deterministic whatever `threads` is.  Throws Error: no scan.
 FrontEndResult BuildMission(const LaserLog& log, const Registry& types,
                             const FrontEndOptions& options = {},
                             const FrontEndObserver& watch = {});

@@ -53,7 +53,8 @@ void CheckVoteRule(const VoteRule& rule) {
     if (constant < -kMaxConstant || constant > kMaxConstant)
       Refuse("a bias or threshold", constant, "within a million");
   if (rule.free_to >= rule.structure_from) Refuse("free_to", rule.free_to, "below structure_from");
-  if (rule.saturation < 0 || (rule.saturation & (rule.saturation + 1)) != 0)
+  if (rule.saturation < 0 || rule.saturation > kMaxConstant ||
+      (rule.saturation & (rule.saturation + 1)) != 0)
     Refuse("saturation", rule.saturation, "2^n - 1, or 0");
 }
 

@@ -10,6 +10,22 @@ void AddNode(const Mission& mission, std::size_t node, const PlanarPose& world_f
                world_from_robot);
 }
 
+// What two updates did together.
+void AddWork(const MapUpdate& before, MapUpdate* update) {
+  update->seconds += before.seconds;
+  update->regenerated_slices += before.regenerated_slices;
+  update->regenerated_nodes += before.regenerated_nodes;
+  MapChange& change = update->change;
+  change.dirty_tiles += before.change.dirty_tiles;
+  const auto put_first = [](const auto& first, auto* list) {
+    list->insert(list->begin(), first.begin(), first.end());
+  };
+  put_first(before.change.changed_tiles, &change.changed_tiles);
+  put_first(before.change.flips, &change.flips);
+  put_first(before.change.frontier_came, &change.frontier_came);
+  put_first(before.change.frontier_went, &change.frontier_went);
+}
+
 }  // namespace
 
 MappedMission MapMission(const Mission& mission, const std::vector<MissionStep>& steps,
@@ -34,7 +50,7 @@ MappedMission MapMission(const Mission& mission, const std::vector<MissionStep>&
   };
   while (is_behind()) {
     MapUpdate more = map.Update(deadline_s);
-    more.seconds += mapped.updates.back().seconds;
+    AddWork(mapped.updates.back(), &more);
     mapped.updates.back() = std::move(more);
   }
   map.UpdateExactly();

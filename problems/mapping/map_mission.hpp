@@ -20,8 +20,8 @@ struct MappedMission {
 
 /// Draws a sequence of graphs G_1 .. G_n of a mission as a live map would have: of each, the nodes
 /// that are new and those that moved.  With a deadline, updates after the last graph finish what
-/// was left over; the last of `updates` counts them.  `keep_on` is asked after each update; where
-/// it says no, the last graph is the next.
+/// was left over; the last of `updates` has what all of these did, one after the other.  `keep_on`
+/// is asked after each update; where it says no, the last graph is the next.
 MappedMission MapMission(const Mission& mission, const std::vector<MissionStep>& steps,
                          const LiveMapOptions& options,
                          double deadline_s = std::numeric_limits<double>::infinity(),

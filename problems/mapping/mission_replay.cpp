@@ -77,8 +77,10 @@ bool MissionReplay::Next(MissionStep* step) {
   if (entered_ == count) return false;
   const double begin = mission_.TimeOf(mission_.nodes.front());
   // The first multiple of the period at which something more has come.
-  const double next = mission_.TimeOf(mission_.nodes[entered_]) - begin;
-  const double end = begin + every_s_ * std::max(1.0, std::ceil(next / every_s_));
+  const double next = mission_.TimeOf(mission_.nodes[entered_]);
+  const double multiple = std::max(1.0, std::ceil((next - begin) / every_s_));
+  // At that itself, where the multiple is rounded to less.
+  const double end = std::max(begin + every_s_ * multiple, next);
   while (entered_ < count && mission_.TimeOf(mission_.nodes[entered_]) <= end) Enter(entered_++);
   entered_ == count ? online_.UpdateExactly() : online_.Update();
   const auto latest = online_.Latest();

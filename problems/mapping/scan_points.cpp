@@ -76,7 +76,7 @@ ScanPoints ScanReader::Read(const LaserGeometry& geometry, Span<const float> ran
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     double range = ranges[i];
     if (!(range > 0) || std::isinf(range)) continue;
-    const bool returned = range < geometry.max_range;
+    const bool returned = !(geometry.max_range > 0) || range < geometry.max_range;
     if (!returned && !use_.clear_no_return) continue;
     const bool hit = returned && range <= use_.max_range;
     range = std::min(range, use_.max_range);

@@ -27,8 +27,8 @@ class ScanReader {
  public:
   explicit ScanReader(const RangeUse& use) : use_(use) {}
 
-  /// Readings that are NaN, infinite, zero, negative, or at least geometry.max_range ("no return")
-  /// say nothing, but see RangeUse.  Throws Error: a geometry that is not finite.
+  /// Readings that are NaN, infinite, zero, negative, or at least geometry.max_range ("no return";
+  /// 0: not known) say nothing, but see RangeUse.  Throws Error: a geometry that is not finite.
   ScanPoints Read(const LaserGeometry& geometry, Span<const float> ranges);
 
  private:

@@ -9,7 +9,7 @@ namespace {
 constexpr int kNeighbours = 4;             // to each side, for a normal
 constexpr double kNeighbourReach = 0.35;   // m
 constexpr double kLargestRoughness = 0.2;  // of the spread across to the spread along
-constexpr double kGrazing = 0.25;          // sine of the angle between beam and surface
+constexpr double kGrazing = 0.05;          // sine of the angle between beam and surface
 constexpr double kFilled = 0.1;   // m, from a point of a surface to the next, after filling
 constexpr double kWidestGap = 4;  // m, that is filled
 constexpr double kOnLine = 0.04;  // m, from the line that readings of one surface are on
@@ -53,7 +53,7 @@ bool Normal(const std::vector<Point>& points, std::size_t i, double step, const 
   const double bx = eye.x - centre.x, by = eye.y - centre.y;
   const double facing = nx * bx + ny * by;
   if (facing < 0) nx = -nx, ny = -ny;
-  if (std::abs(facing) < kGrazing * 0.2 * std::hypot(bx, by)) return false;
+  if (std::abs(facing) < kGrazing * std::hypot(bx, by)) return false;
   to->nx = static_cast<float>(nx);
   to->ny = static_cast<float>(ny);
   return true;

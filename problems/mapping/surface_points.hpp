@@ -20,8 +20,7 @@ struct SurfaceOptions {
 
 /// What a scan saw, in its robot's frame.  Readings at or above the laser's own largest range saw
 /// nothing.  A normal is that of the line through the neighbours along the sweep, where these lie
-/// close together and on a line.  Points where a beam grazes an edge, between two surfaces, are
-/// left out.
+/// close together and on a line, and the beam does not graze it.
 std::vector<SurfacePoint> SurfacePoints(const LaserLog& log, const LaserScan& scan,
                                         const SurfaceOptions& options = {});
 

@@ -50,6 +50,20 @@ std::string Room(int poses = 12) {
   return text;
 }
 
+// Sweeps of a robot that moves on by 0.5 m at a time, ten a second; all but one of the readings are
+// as given, the others far off.
+std::string LogOfRange(const char* range, int scans) {
+  std::string log;
+  for (int i = 0; i < scans; ++i) {
+    char line[300];
+    std::snprintf(line, sizeof(line),
+                  "FLASER 5 %s %s %s %s 81.83 %.2f 0 0 %.2f 0 0 %.1f host %.1f\n", range, range,
+                  range, range, 0.5 * i, 0.5 * i, 0.1 * i, 0.1 * i);
+    log += line;
+  }
+  return log;
+}
+
 class MapCommandTest : public CommandTest {};
 
 TEST_F(MapCommandTest, WritesTheMapAndAllThatGoesWithIt) {
@@ -116,6 +130,73 @@ TEST_F(MapCommandTest, TheMethodsMakeTheSameMap) {
     maps[i] = ReadWhole(out + "/map.pgm");
   }
   EXPECT_EQ(maps[0], maps[1]);
+}
+
+// A multiple of the period that is rounded to less than the time of a scan.
+TEST_F(MapCommandTest, StepsOnWhateverThePeriod) {
+  const std::string log = Write("two.log", LogOfRange("2.5", 60));
+  for (const char* every : {"0.1", "0.3", "0.7"}) {
+    const Outcome outcome = RunCommand(
+        {"map", log, "--keep-poses", "--every", every, "-o", Path("out"), "--json", "--quiet"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(JsonOf(outcome)["runs"][0]["updates"].back()["nodes"], 60) << every;
+  }
+}
+
+TEST_F(MapCommandTest, RefusesALogOfWhichNothingCanBeDrawn) {
+  const Outcome outcome = RunCommand({"map", Write("blind.log", LogOfRange("81.83", 60)),
+                                      "--keep-poses", "-o", Path("out"), "--quiet"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.err.find("blind.log: the map is empty"), std::string::npos) << outcome.err;
+}
+
+TEST_F(MapCommandTest, RefusesRelationsThatAreNotOfItsLog) {
+  const std::string log = Write("a.log", LogOfRange("2.5", 60));
+  const std::string relations = Write("a.relations", "1000.0 1001.0 1 0 0 0 0 0\n");
+  const Outcome other = RunCommand(
+      {"map", log, "--keep-poses", "--relations", relations, "-o", Path("out"), "--quiet"});
+  EXPECT_EQ(other.exit_code, 3);
+  EXPECT_NE(other.err.find("a.relations: none of its relations"), std::string::npos) << other.err;
+  const Outcome two = RunCommand({"map", log, Write("b.log", LogOfRange("2.5", 60)), "--keep-poses",
+                                  "--relations", relations, "-o", Path("out"), "--quiet"});
+  EXPECT_EQ(two.exit_code, 2);
+  EXPECT_NE(two.err.find("goes with one log"), std::string::npos) << two.err;
+}
+
+TEST_F(MapCommandTest, SaysWhatOfAGraphItDidNotTakeAsItIs) {
+  std::string room = Room();
+  const std::string edge = "EDGE_SE2 0 1 1 0 0 400 0 0 400 0 10000\n";
+  const std::string misspelt = Write("misspelt.g2o", room + "EDGE_SE_2" + edge.substr(8));
+  const Outcome refused = RunCommand({"map", misspelt, "-o", Path("out"), "--quiet"});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.err.find("EDGE_SE_2"), std::string::npos) << refused.err;
+  const Outcome skipped =
+      RunCommand({"map", misspelt, "--skip-unknown", "-o", Path("out"), "--json", "--quiet"});
+  ASSERT_EQ(skipped.exit_code, 0) << skipped.err;
+  EXPECT_NE(skipped.out.find("skipped 1 lines of EDGE_SE_2"), std::string::npos) << skipped.out;
+  const std::string indefinite =
+      Write("indefinite.g2o", room + "EDGE_SE2 0 2 2 0 0 400 0 0 -1 0 10000\n");
+  const Outcome repaired = RunCommand(
+      {"map", indefinite, "--repair-information", "-o", Path("out"), "--json", "--quiet"});
+  ASSERT_EQ(repaired.exit_code, 0) << repaired.err;
+  EXPECT_NE(repaired.out.find("indefinite.g2o: "), std::string::npos) << repaired.out;
+}
+
+// A mission that an update's deadline leaves behind: its work is counted when it is done.
+TEST_F(MapCommandTest, CountsTheWorkThatADeadlineLeftOver) {
+  const std::string log = Write("room.g2o", Room(400));
+  std::size_t nodes[2] = {};
+  for (const int i : {0, 1}) {
+    std::vector<std::string> words = {"map", log,         "--every", "100000",
+                                      "-o",  Path("out"), "--json",  "--quiet"};
+    if (i == 1) words.insert(words.end(), {"--deadline", "0.001"});
+    const Outcome outcome = RunCommand(words);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json last = JsonOf(outcome)["runs"][0]["updates"].back();
+    nodes[i] = last["dirty_tiles"];
+  }
+  EXPECT_GT(nodes[0], 0u);
+  EXPECT_GE(nodes[1], nodes[0]);
 }
 
 // The same scans at the same poses, as a log and as a graph.
