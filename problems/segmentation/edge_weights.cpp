@@ -18,7 +18,12 @@ GRATICULE_WIDE inline std::uint16_t ColourWeight(int dr, int dg, int db) {
       static_cast<int>(std::sqrt(squared) * EdgeWeights::kColourSteps));
 }
 
-// Abramowitz and Stegun 4.4.45, within 7e-5 rad; of a point without a normal, none.
+// Normals are of length 1, or 0 where there is none.
+GRATICULE_WIDE inline float SquaredLength(float x, float y, float z) {
+  return x * x + y * y + z * z;
+}
+
+// Abramowitz and Stegun 4.4.45, within 7e-5 rad.
 GRATICULE_WIDE inline std::uint16_t AngleWeight(float dot) {
   const float x = std::min(std::fabs(dot), 1.0f);
   const float sharp =
@@ -26,6 +31,12 @@ GRATICULE_WIDE inline std::uint16_t AngleWeight(float dot) {
   const float angle = dot < 0 ? kPi - sharp : sharp;
   const float steps = angle * (EdgeWeights::kAngleSteps / kPi);
   return static_cast<std::uint16_t>(static_cast<int>(steps + 0.5f));
+}
+
+std::uint16_t AngleBetween(const SurfaceNormals& normals, std::size_t i, std::size_t j) {
+  const float *x = normals.X(), *y = normals.Y(), *z = normals.Z();
+  const float both = SquaredLength(x[i], y[i], z[i]) * SquaredLength(x[j], y[j], z[j]);
+  return both > 0 ? AngleWeight(x[i] * x[j] + y[i] * y[j] + z[i] * z[j]) : std::uint16_t{0};
 }
 
 }  // namespace
@@ -76,7 +87,9 @@ void EdgeWeights::WeighRow(const ScanMesh& mesh, const SurfaceNormals* normals, 
 #pragma GCC ivdep
         for (std::size_t c = 0; c < count; ++c) {
           const float dot = x[c] * far_x[c] + y[c] * far_y[c] + z[c] * far_z[c];
-          to[c] = AngleWeight(dot == 0 ? 1.0f : dot);
+          const float both =
+              SquaredLength(x[c], y[c], z[c]) * SquaredLength(far_x[c], far_y[c], far_z[c]);
+          to[c] = AngleWeight(both > 0 ? dot : 1.0f);
         }
       });
     }
@@ -88,11 +101,7 @@ void EdgeWeights::WeighSeam(const ScanMesh& mesh, const SurfaceNormals* normals)
     seam_colour_.push_back(
         red_.empty() ? std::uint16_t{0}
                      : ColourWeight(red_[j] - red_[i], green_[j] - green_[i], blue_[j] - blue_[i]));
-    const float dot = normals == nullptr
-                          ? 0
-                          : normals->X()[i] * normals->X()[j] + normals->Y()[i] * normals->Y()[j] +
-                                normals->Z()[i] * normals->Z()[j];
-    seam_angle_.push_back(dot == 0 ? std::uint16_t{0} : AngleWeight(dot));
+    seam_angle_.push_back(normals == nullptr ? std::uint16_t{0} : AngleBetween(*normals, i, j));
   }
 }
 

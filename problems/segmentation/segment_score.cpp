@@ -43,13 +43,17 @@ SegmentScore ScoreOf(const std::vector<std::uint32_t>& labels,
   if (labels.size() != segments.size())
     throw Error("labels and segments of different numbers of points", ErrorKind::kUsage);
   // Numbers of points: of a label, of a segment, of both.
-  std::map<std::uint32_t, double> in_label, in_segment;
+  std::map<std::uint32_t, double> in_label, in_segment, alone;
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> in_both;
   double all = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (labels[i] == 0) continue;
     ++all;
     ++in_label[labels[i]];
+    if (segments[i] == 0) {
+      ++alone[labels[i]];
+      continue;
+    }
     ++in_segment[segments[i]];
     ++in_both[{segments[i], labels[i]}];
   }
@@ -64,6 +68,11 @@ SegmentScore ScoreOf(const std::vector<std::uint32_t>& labels,
     f[label] = std::max(f[label], 2 * count / both);
     best[segment] = std::max(best[segment], count);
     score.under_segmentation += std::min(count, in_segment[segment] - count) / all;
+  }
+  for (const auto& [label, count] : alone) {
+    overlap[label] = std::max(overlap[label], 1 / in_label[label]);
+    f[label] = std::max(f[label], 2 / (in_label[label] + 1));
+    score.achievable += count / all;
   }
   for (const auto& [segment, count] : best) score.achievable += count / all;
   for (const auto& [label, count] : in_label) {

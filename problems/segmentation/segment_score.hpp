@@ -28,7 +28,7 @@ struct ScoreOptions {
 ///
 /// Weighted overlap as in Hoiem et al. 2011; achievable accuracy, under-segmentation error and
 /// boundary recall as in Neubert and Protzel 2012.  A point without a segment (0) is a segment of
-/// its own.  Throws Error (kUsage): lists of unequal lengths.
+/// its own, which `segments` does not count.  Throws Error (kUsage): lists of unequal lengths.
 SegmentScore ScoreOf(const std::vector<std::uint32_t>& labels,
                      const std::vector<std::uint32_t>& segments, const ScoreOptions& options = {});
 

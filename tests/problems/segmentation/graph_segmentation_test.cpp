@@ -131,6 +131,39 @@ TEST(EdgeWeights, AreThoseOfTheEquationsInOrder) {
   }
 }
 
+// Exactly: their product is that of a point without a normal.
+TEST(EdgeWeights, ArePiHalfBetweenFloorAndWall) {
+  PointCloud cloud;
+  cloud.width = cloud.height = 20;
+  // They meet in one diagonal edge, so that no normal is of both.
+  for (int row = 0; row < 20; ++row)
+    for (int column = 0; column < 20; ++column) {
+      const float across = 0.02f * static_cast<float>(column);
+      const float along = 0.02f * static_cast<float>(row - 10);
+      if ((row < 10) != (column < 10))
+        cloud.in_sensor.push_back(kNoReturn);
+      else
+        cloud.in_sensor.push_back(row < 10 ? Eigen::Vector3f(2, across, -1 - along)
+                                           : Eigen::Vector3f(2 - along, across, -1));
+    }
+  ScanMesh mesh;
+  mesh.Build(cloud, {0.1, 0, false});
+  SurfaceNormals normals;
+  normals.Compute(mesh, 1);
+  EdgeWeights weights;
+  weights.Compute(mesh, nullptr, &normals, EdgeOrder::kAngle);
+  std::size_t right_angles = 0;
+  for (const WeighedEdge& edge : weights.Sorted()) {
+    const auto [i, j] = EndsOf(mesh, edge);
+    const Eigen::Vector3f a(normals.X()[i], normals.Y()[i], normals.Z()[i]);
+    const Eigen::Vector3f b(normals.X()[j], normals.Y()[j], normals.Z()[j]);
+    if (a.isZero() || b.isZero() || a.dot(b) != 0) continue;
+    ++right_angles;
+    EXPECT_EQ(edge.angle, EdgeWeights::kAngleSteps / 2);
+  }
+  EXPECT_EQ(right_angles, 1u);
+}
+
 TEST(GraphSegmentation, PartsAFieldOfTwoColours) {
   PointCloud cloud;
   cloud.width = 40;

@@ -37,6 +37,20 @@ TEST(SegmentScore, IsWhatOneCountsByHand) {
   EXPECT_EQ(score.objects, 1u);
 }
 
+TEST(SegmentScore, TakesAPointWithoutASegmentForOneOfItsOwn) {
+  const SegmentScore none = ScoreOf({1, 1, 1, 1}, {0, 0, 0, 0});
+  EXPECT_DOUBLE_EQ(none.weighted_overlap, 1.0 / 4);
+  EXPECT_DOUBLE_EQ(none.mean_f, 2.0 / 5);
+  EXPECT_EQ(none.found, 0);
+  EXPECT_EQ(none.achievable, 1);
+  EXPECT_EQ(none.segments, 0u);
+  // Points of two labels that are alone do not join these.
+  const SegmentScore some = ScoreOf({1, 1, 1, 2, 2, 2}, {7, 7, 0, 0, 8, 8});
+  EXPECT_EQ(some.under_segmentation, 0);
+  EXPECT_DOUBLE_EQ(some.weighted_overlap, 2.0 / 3);
+  EXPECT_EQ(some.segments, 2u);
+}
+
 TEST(SegmentScore, CountsBordersThatAreNear) {
   std::vector<std::uint32_t> labels(100), near(100), far(100);
   for (std::size_t i = 0; i < 100; ++i) {
