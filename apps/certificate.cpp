@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "configured_solve.hpp"
 #include "console.hpp"
 #include "graticule/problems/pose_graph/certify_escape.hpp"
 #include "graticule/solver/stopwatch.hpp"
@@ -13,9 +14,7 @@ namespace graticule::apps {
 CertificateSummary CertifySolution(const Graph& graph, const SolveOptions& options,
                                    const Observer& watch, Solution* solution) {
   const Stopwatch clock;
-  // The question that was solved: with the losses that the options put in the factors' place.
-  Graph asked = graph;
-  if (!options.loss.empty()) asked.SetLosses(MakeLoss(options.loss, options.loss_scale));
+  const Graph asked = AsSolved(graph, options);
   CertifyOptions certifying;
   certifying.go_on = [] { return !Interruptible::WasAsked(); };
   Certificate certificate = Certify(asked, solution->values, certifying);

@@ -71,4 +71,10 @@ ConfiguredSolution SolveAsConfigured(Graph* graph, bool file_has_guess,
   return (rejects ? SolveTrusted : SolveAll)(graph, file_has_guess, configuration, watch);
 }
 
+Graph AsSolved(const Graph& graph, const SolveOptions& options) {
+  Graph asked = graph;
+  if (!options.loss.empty()) asked.SetLosses(MakeLoss(options.loss, options.loss_scale));
+  return asked;
+}
+
 }  // namespace graticule::apps

@@ -24,4 +24,8 @@ struct ConfiguredSolution {
 ConfiguredSolution SolveAsConfigured(Graph* graph, bool file_has_guess,
                                      const Configuration& configuration, const Observer& watch);
 
+/// The question that was solved: the graph with the loss that the options put in the place of its
+/// factors' own, where they name one.  What certificates and covariances are of.
+Graph AsSolved(const Graph& graph, const SolveOptions& options);
+
 }  // namespace graticule::apps

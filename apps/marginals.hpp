@@ -25,6 +25,7 @@ struct MarginalsResult {
 /// "pose:1,pose:2", or "all".  Throws Error (kUsage): not a key, or not in the graph.
 std::vector<Key> ReadKeys(const std::string& text, const Graph& graph);
 
+/// Of the graph with its own losses, as ComputeMarginals.
 MarginalsResult FindMarginals(const Graph& graph, const Values& values,
                               const std::vector<Key>& keys);
 nlohmann::ordered_json MarginalsJson(const MarginalsResult& result);

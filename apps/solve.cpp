@@ -227,8 +227,9 @@ int Run(const SolveCommand& command, const Console& console) {
 
   MarginalsResult marginals;
   if (!marginal_keys.empty())
-    marginals =
-        About(command.file, [&] { return FindMarginals(kept, solution.values, marginal_keys); });
+    marginals = About(command.file, [&] {
+      return FindMarginals(AsSolved(kept, configuration.solve), solution.values, marginal_keys);
+    });
 
   context.file = command.file;
   context.configuration = configuration.name;

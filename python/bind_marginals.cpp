@@ -93,10 +93,13 @@ void BindMarginals(py::module_& module) {
         return "Marginals(of " + std::to_string(self.sizes.size()) + " variables)";
       });
   BindDiagnosis(module);
-  module.def("compute_marginals", &Compute, "graph"_a, "values"_a = nullptr,
-             "keys"_a = std::vector<Key>(), "joint"_a = false,
-             "Marginal covariances of `keys` at `values` (None: the graph's own); with `joint` "
-             "also between the keys.  Where the problem is ill-posed, a Diagnosis instead.");
+  module.def(
+      "compute_marginals", &Compute, "graph"_a, "values"_a = nullptr, "keys"_a = std::vector<Key>(),
+      "joint"_a = false,
+      "Marginal covariances of `keys` at `values` (None: the graph's own); with `joint` "
+      "also between the keys.  The losses are the graph's own: after a solve with the option "
+      "`loss`, `Graph.set_losses` puts that one in their place.  Where the problem is "
+      "ill-posed, a Diagnosis instead.");
 
   Record<JacobianCheck>(module, "JacobianCheck", "What was found for one factor type.")
       .Result("type", &JacobianCheck::type, "The factor type.")

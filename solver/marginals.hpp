@@ -30,9 +30,10 @@ class Marginals {
 };
 
 /// Marginal covariances of `keys` at `values`: blocks of the inverse of J' J, with J the whitened
-/// Jacobian (each factor scaled by the root of its loss' weight).  With `joint`, also the blocks
-/// between the keys.  Where the problem is ill-posed: which keys are loose, along which fields.
-/// Throws Error as Solve does.
+/// Jacobian (each factor scaled by the root of its loss' weight).  The losses are the graph's own:
+/// after a solve with SolveOptions::loss, Graph::SetLosses puts that one in their place.  With
+/// `joint`, also the blocks between the keys.  Where the problem is ill-posed: which keys are
+/// loose, along which fields.  Throws Error as Solve does.
 std::variant<Marginals, Diagnosis> ComputeMarginals(const Graph& graph, const Values& values,
                                                     const std::vector<Key>& keys,
                                                     bool joint = false);

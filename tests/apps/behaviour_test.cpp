@@ -218,6 +218,24 @@ TEST_F(Solve, GivesCovariancesOfTheKeysThatAreAskedFor) {
   EXPECT_EQ(all["marginals"]["covariances"]["pose:1"], block);
 }
 
+TEST_F(Solve, GivesCovariancesOfTheLossThatItSolvedWith) {
+  // Two readings 0.05 m, half a sigma, to either side of where the pose ends.
+  const std::string file = Write("two_readings.g2o", R"(VERTEX_SE2 0 0 0 0
+VERTEX_SE2 1 1 0 0
+EDGE_SE2 0 1 1.05 0 0 100 0 0 100 0 400
+EDGE_SE2 0 1 0.95 0 0 100 0 0 100 0 400
+)");
+  const auto variance = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"solve", file, "--marginals", "pose:1", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Json block = JsonOf(RunCommand(words))["marginals"]["covariances"]["pose:1"];
+    return block["covariance"][0][0].get<double>();
+  };
+  EXPECT_NEAR(variance({}), 1 / 200.0, 1e-9);
+  // Cauchy's weight of half a sigma is 1 / (1 + 0.25).
+  EXPECT_NEAR(variance({"--set", "loss=cauchy"}), 1 / 160.0, 1e-9);
+}
+
 TEST_F(Solve, RefusesKeysThatAreNotThere) {
   const std::string square = Square();
   for (const char* keys : {"pose:9", "pose:1,,pose:2", "pose", "pose:1;pose:2"}) {
