@@ -14,6 +14,7 @@ void BayesTree::Clear() {
   is_withdrawn_.clear();
   step_begin_.assign(1, 0);
   step_.clear();
+  followed_step_.clear();
   clique_of_.clear();
   clique_of_factor_.clear();
   factors_of_.clear();
@@ -29,6 +30,7 @@ void BayesTree::Clear() {
 
 void BayesTree::ResetStep(VariableId id) {
   std::fill_n(step_.begin() + step_begin_[id], TangentSize(id), 0.0);
+  std::fill_n(followed_step_.begin() + step_begin_[id], TangentSize(id), 0.0);
 }
 
 // Makes room for what the graph has that is not here yet.
@@ -39,6 +41,7 @@ void BayesTree::Grow(const std::vector<char>& held, const std::vector<char>& wit
     is_held_.push_back(graph.IsFixed(id) || held[id] || graph.TypeOf(id).TangentSize() == 0);
   }
   step_.resize(static_cast<std::size_t>(step_begin_.back()), 0.0);
+  followed_step_.resize(step_.size(), 0.0);
   clique_of_.resize(graph.VariableCount(), kNone);
   factors_of_.resize(graph.VariableCount());
   is_changed_.resize(graph.VariableCount(), 0);

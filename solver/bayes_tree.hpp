@@ -62,7 +62,8 @@ class BayesTree {
   const std::vector<FactorId>& FactorsOf(VariableId id) const { return factors_of_[id]; }
   /// Sets a step to zero: its variable's point has moved along it.
   void ResetStep(VariableId id);
-  /// Steps that change by less, in any component, are not followed further down.
+  /// Steps that have changed by less in every component, since they last were, are not followed
+  /// further down.
   void SetPropagation(double threshold) { propagation_ = threshold; }
 
   /// The marginal covariance of a variable in its tangent, row by row; zero where it is held.
@@ -125,6 +126,7 @@ class BayesTree {
   std::vector<char> is_withdrawn_;  // by factor
   std::vector<int> step_begin_{0};  // by variable
   std::vector<double> step_;
+  std::vector<double> followed_step_;  // the step when cliques further down were last told of it
   std::vector<int> clique_of_;                     // by variable, where it is eliminated
   std::vector<int> clique_of_factor_;              // where it is added
   std::vector<std::vector<FactorId>> factors_of_;  // by variable

@@ -146,13 +146,14 @@ void BayesTree::SolveFor(int id, bool is_made) {
   const double* found = solution_.data();
   for (std::size_t i = 0; i < clique.eliminated; ++i) {
     const VariableId variable = clique.variables[i];
-    double* step = step_.data() + step_begin_[variable];
+    const int size = TangentSize(variable);
+    std::copy_n(found, size, step_.data() + step_begin_[variable]);
+    // Against what was followed, not against the update before: many small changes add up.
+    double* followed = followed_step_.data() + step_begin_[variable];
     double change = 0;
-    for (int k = 0; k < TangentSize(variable); ++k) {
-      change = std::max(change, std::abs(found[k] - step[k]));
-      step[k] = found[k];
-    }
-    found += TangentSize(variable);
+    for (int k = 0; k < size; ++k) change = std::max(change, std::abs(found[k] - followed[k]));
+    if (change > propagation_) std::copy_n(found, size, followed);
+    found += size;
     if (!is_changed_[variable]) changed_.push_back(variable);
     // 1: enough to be followed; 2: changed, that is all.
     is_changed_[variable] = change > propagation_ ? 1 : 2;

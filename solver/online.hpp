@@ -16,7 +16,8 @@ struct OnlineOptions {
   double relinearise_above = 0.05;
   /// ... which is looked for at every so many updates.
   int relinearise_every = 10;
-  /// Changes smaller than this, in every component, are not followed to variables further off.
+  /// Changes smaller than this, in every component, are not followed to variables further off;
+  /// they add up until they are.
   double propagate_above = 1e-4;
   /// Fixed lag: of each family named here so many stay, those added last; the others are
   /// marginalised (as by Online::Marginalise) at the next update that brings no factor of theirs.

@@ -71,6 +71,28 @@ TEST(Online, TouchesOnlyWhatChanges) {
   });
 }
 
+TEST(Online, FollowsSmallChangesThatAddUp) {
+  const OnlineOptions options;
+  Online online(TestTypes(), options);
+  online.Add(Key("pose:0"), "se2/1", {0, 0, 0});
+  online.Add({"prior_se2/1", {Key("pose:0")}, {0, 0, 0}, Noise::Sigma(0.1), {}, ""});
+  for (unsigned i = 1; i <= 3; ++i) {
+    online.Add(Key("pose", i), "se2/1", {1.0 * i, 0, 0});
+    online.Add(BetweenSe2Factor(Key("pose:0"), Key("pose", i), {1.0 * i, 0, 0}, Noise::Sigma(1e-3),
+                                "stiff"));
+  }
+  online.Update();
+  // Each moves pose:0 by less than is followed, all together by 5 mm.
+  for (int i = 0; i < 100; ++i) {
+    online.Add({"prior_se2/1", {Key("pose:0")}, {0.0099, 0, 0}, Noise::Sigma(1), {}, ""});
+    online.Update();
+  }
+  for (unsigned i = 0; i <= 3; ++i)
+    EXPECT_NEAR(online.Latest()->At(Key("pose", i))[0], i + 0.0099 / 2,
+                options.propagate_above + 1e-9)
+        << i;
+}
+
 TEST(Online, KnowsTheCovarianceThatMarginalsKnow) {
   const Graph graph = WithChords(Se2Loop(50, 0.02, 0.02), true);
   Online online(TestTypes());
