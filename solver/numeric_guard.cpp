@@ -4,10 +4,20 @@
 #include <glog/logging.h>
 
 #include <filesystem>
+#include <mutex>
 
 namespace {
 
 thread_local int guards_alive = 0;
+thread_local int active_levels = 0;  // of OpenMP, before this thread's first guard
+
+// What is the whole process', before the first guard of any thread.
+struct {
+  std::mutex mutex;
+  int guards = 0;
+  int blas_threads = 0;
+  int log_level = 0;
+} process;
 
 }  // namespace
 
@@ -37,22 +47,30 @@ Function Find(const char* name) {
 
 }  // namespace
 
-NumericGuard::NumericGuard() : log_level_(FLAGS_minloglevel) {
-  ++guards_alive;
+NumericGuard::NumericGuard() {
+  if (++guards_alive == 1) {
+    if (const auto get = Find<int (*)()>("omp_get_max_active_levels")) active_levels = get();
+    if (const auto set = Find<void (*)(int)>("omp_set_max_active_levels")) set(0);
+  }
+  const std::lock_guard<std::mutex> lock(process.mutex);
+  if (++process.guards > 1) return;
+  process.log_level = FLAGS_minloglevel;
   FLAGS_minloglevel = google::GLOG_FATAL;
-  if (const auto get = Find<int (*)()>("openblas_get_num_threads")) blas_threads_ = get();
-  if (const auto set = Find<void (*)(int)>("openblas_set_num_threads"); set && blas_threads_ > 1)
+  if (const auto get = Find<int (*)()>("openblas_get_num_threads")) process.blas_threads = get();
+  if (const auto set = Find<void (*)(int)>("openblas_set_num_threads");
+      set && process.blas_threads > 1)
     set(1);
-  if (const auto get = Find<int (*)()>("omp_get_max_active_levels")) active_levels_ = get();
-  if (const auto set = Find<void (*)(int)>("omp_set_max_active_levels")) set(0);
 }
 
 NumericGuard::~NumericGuard() {
-  --guards_alive;
-  FLAGS_minloglevel = log_level_;
-  if (const auto set = Find<void (*)(int)>("openblas_set_num_threads"); set && blas_threads_ > 1)
-    set(blas_threads_);
-  if (const auto set = Find<void (*)(int)>("omp_set_max_active_levels")) set(active_levels_);
+  if (--guards_alive == 0)
+    if (const auto set = Find<void (*)(int)>("omp_set_max_active_levels")) set(active_levels);
+  const std::lock_guard<std::mutex> lock(process.mutex);
+  if (--process.guards > 0) return;
+  FLAGS_minloglevel = process.log_level;
+  if (const auto set = Find<void (*)(int)>("openblas_set_num_threads");
+      set && process.blas_threads > 1)
+    set(process.blas_threads);
 }
 
 std::string LoadedBlas() {

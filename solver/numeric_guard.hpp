@@ -8,19 +8,16 @@ namespace graticule {
 ///
 /// CHOLMOD's supernodal code opens OpenMP regions of four threads whatever OMP_NUM_THREADS says,
 /// and OpenBLAS brings its own: on small supernodes both cost more than they bring (measured: 2 to
-/// 40 times the wall time), and neither adds up in a fixed order.  Not nestable across threads for
-/// the log level, which is process-wide.
+/// 40 times the wall time), and neither adds up in a fixed order.
+///
+/// The log's level and BLAS' threads are the process': the first guard of any thread saves and sets
+/// them, the last one restores them.
 class NumericGuard {
  public:
   NumericGuard();
   ~NumericGuard();
   NumericGuard(const NumericGuard&) = delete;
   NumericGuard& operator=(const NumericGuard&) = delete;
-
- private:
-  int blas_threads_ = 0;
-  int active_levels_ = 0;
-  int log_level_ = 0;
 };
 
 /// The file that BLAS' dgemm_ comes from, as the process has bound it, links followed.

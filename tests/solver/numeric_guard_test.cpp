@@ -1,10 +1,14 @@
 #include "graticule/solver/numeric_guard.hpp"
 
+#include <dlfcn.h>
+#include <glog/logging.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <string>
+#include <thread>
 
 #include "graticule/solver/provenance.hpp"
 
@@ -53,6 +57,22 @@ TEST(NumericGuard, RunsOpenMpRegionsOnceWhileItLives) {
     EXPECT_EQ(RunsOfARegion(), 1) << "the outer guard still lives";
   }
   EXPECT_EQ(RunsOfARegion(), 4) << "afterwards, and for anybody else, OpenMP is as it was";
+}
+
+// As guards of several threads do.
+TEST(NumericGuard, RestoresTheProcessHoweverGuardsOverlap) {
+  const auto blas_threads =
+      reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  ASSERT_NE(blas_threads, nullptr);
+  const int level = FLAGS_minloglevel, threads = blas_threads();
+  std::optional<NumericGuard> first(std::in_place), second;
+  std::thread([&] { second.emplace(); }).join();
+  first.reset();
+  EXPECT_EQ(FLAGS_minloglevel, google::GLOG_FATAL) << "the second still lives";
+  EXPECT_EQ(blas_threads(), 1);
+  std::thread([&] { second.reset(); }).join();
+  EXPECT_EQ(FLAGS_minloglevel, level);
+  EXPECT_EQ(blas_threads(), threads);
 }
 
 }  // namespace
