@@ -57,9 +57,9 @@ struct CertifyOptions {
 /// and point3/1, with no loss and information that is positive definite; any number of fixed
 /// variables.  Refuses what it cannot prove: that is no proof of the contrary.
 ///
-/// `values` near a minimum: up to two Newton steps of the quadratics bring them to where the dual
-/// is best, and are not returned.  About one factorisation where Solve has converged well, five at
-/// the most beside the search for the eigenvalue.  Deterministic.
+/// `values` near a minimum: up to three Newton steps of the quadratics bring them to where the
+/// dual is best, and are not returned.  One to five factorisations where Solve has converged, nine
+/// at the most, beside the search for the eigenvalue.  Deterministic.
 /// After L. Carlone, G. Calafiore, C. Tommolillo, F. Dellaert, "Planar pose graph optimization:
 /// duality, optimal solutions, and verification" (T-RO 2016), and D. Rosen, L. Carlone, A.
 /// Bandeira, J. Leonard, "SE-Sync" (IJRR 2019).
