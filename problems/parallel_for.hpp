@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <exception>
-#include <thread>
 #include <vector>
+
+#include "graticule/solver/on_threads.hpp"
 
 namespace graticule {
 
@@ -24,11 +26,8 @@ void ParallelFor(std::size_t count, std::size_t threads, Work work) {
       next = count;
     }
   };
-  std::vector<std::thread> others;
-  for (std::size_t worker = 1; worker < threads && worker < count; ++worker)
-    others.emplace_back(run, worker);
-  run(0);
-  for (std::thread& other : others) other.join();
+  OnThreads(static_cast<int>(std::max<std::size_t>(std::min(threads, count), 1)),
+            [&](int worker) { run(static_cast<std::size_t>(worker)); });
   for (const std::exception_ptr& error : errors)
     if (error) std::rethrow_exception(error);
 }

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <thread>
 
+#include "graticule/solver/on_threads.hpp"
+
 namespace graticule {
 
 ParallelEvaluation::ParallelEvaluation(const Evaluation& evaluation, Stride stride, int threads)
@@ -38,10 +40,7 @@ void ParallelEvaluation::Prepare(const double* data, bool with_jacobians) {
   const auto share = [&](int thread) {
     Work(data, bound(thread), bound(thread + 1), with_jacobians);
   };
-  std::vector<std::thread> others;
-  for (int t = 1; t < threads_; ++t) others.emplace_back(share, t);
-  share(0);
-  for (std::thread& other : others) other.join();
+  OnThreads(threads_, share);
 }
 
 bool ParallelEvaluation::Copy(FactorId id, double* residual, double** jacobians) const {

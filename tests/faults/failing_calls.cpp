@@ -5,12 +5,14 @@
 //   FAILING_CALLS_AT=K          the K-th call fails (from 1), with ENOSPC; 0 or unset: none
 //   FAILING_CALLS_STAY=1        and every later one: the disk stays full
 //   FAILING_CALLS_COUNT=FILE    at its end the program writes there how many calls there were
+//   FAILING_CALLS_THREADS=N     the system makes no more than N threads
 //
 // What counts: to open or make a file for writing, to write, to flush to the disk, to close what
 // was written, to rename, to make a folder.
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #include <sys/uio.h>
@@ -140,6 +142,15 @@ int close(int descriptor) {
 int rename(const char* from, const char* to) {
   if (Counts(to) && Fails()) return -1;
   return Real<int(const char*, const char*)>("rename")(from, to);
+}
+
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*),
+                   void* argument) {
+  static std::atomic<long> made{0};
+  if (std::getenv("FAILING_CALLS_THREADS") && made++ >= Number("FAILING_CALLS_THREADS"))
+    return EAGAIN;
+  using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
+  return Real<Create>("pthread_create")(thread, attributes, run, argument);
 }
 
 int mkdir(const char* path, mode_t mode) {

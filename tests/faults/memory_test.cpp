@@ -66,5 +66,23 @@ TEST_F(LittleMemory, OfASignal) {
                          700);
 }
 
+// Where the system makes fewer threads than are asked for, they do the same work.
+class FewThreads : public CommandTest {};
+
+TEST_F(FewThreads, ChangeNoDigitOfASolve) {
+  Write("square.g2o", kSquare);
+  const auto solved = [&](const char* most) {
+    RunOptions options;
+    options.environment = {{"LD_PRELOAD", GRATICULE_FAILING_CALLS}, {"OPENBLAS_NUM_THREADS", "1"}};
+    if (most) options.environment["FAILING_CALLS_THREADS"] = most;
+    const Outcome outcome = RunCommand(
+        {"solve", Path("square.g2o"), "--set", "threads=8", "-o", Path("solved.g2o")}, options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return ReadWhole(Path("solved.g2o"));
+  };
+  const std::string all = solved(nullptr);
+  for (const char* most : {"0", "1", "3"}) EXPECT_EQ(solved(most), all) << most << " threads";
+}
+
 }  // namespace
 }  // namespace graticule::test
