@@ -46,13 +46,6 @@ void RefuseUnknownTypes(const Graph& graph, FactorId first_factor, VariableId fi
                   ErrorKind::kMissingType);
 }
 
-bool HasRepeatedKey(const FactorView& factor) {
-  if (factor.variables.size() <= 16) return false;  // Graph::Add has looked
-  std::vector<VariableId> sorted(factor.variables.begin(), factor.variables.end());
-  std::sort(sorted.begin(), sorted.end());
-  return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
-}
-
 // Memory for one evaluation: on the stack while it is small, which it nearly always is.
 template <class T, std::size_t kSmall>
 class Scratch {
@@ -84,7 +77,7 @@ bool AllFinite(const double* values, int count) {
 
 Evaluation::Evaluation(const Graph& graph) : graph_(graph) { Grow(); }
 
-void Evaluation::Grow() {
+void Evaluation::Grow(const std::vector<char>& left_out) {
   const Graph& graph = graph_;
   const std::size_t known = instances_.size();
   RefuseUnknownTypes(graph, static_cast<FactorId>(known), variables_);
@@ -99,6 +92,12 @@ void Evaluation::Grow() {
                                                static_cast<std::int32_t>(factor.measurement.size()),
                                                factor.measurement.data()};
     std::int32_t residual_size = graph.ResidualSize(id);
+    // Also for what is left out: a factor that comes later may share the noise.
+    if (factor.noise_id >= known_noises && !whitened[factor.noise_id - known_noises]) {
+      whiteners_[factor.noise_id] = Whitener(factor.noise, residual_size);
+      whitened[factor.noise_id - known_noises] = true;
+    }
+    if (id < left_out.size() && left_out[id]) continue;
     Instance& instance = instances_[id];
     instance.table = factor.type->table;
     instance.self =
@@ -109,19 +108,11 @@ void Evaluation::Grow() {
     instance.is_plain = factor.type->HasTangentJacobians() ||
                         std::none_of(factor.variables.begin(), factor.variables.end(),
                                      [&](VariableId v) { return graph.TypeOf(v).manifold; });
-    if (instance.is_gaussian && instance.self)
-      why = static_cast<const Gaussian*>(instance.self)->Misfit(graph, factor.variables);
-    const bool repeated = HasRepeatedKey(factor), misfits = instance.is_gaussian && !why.empty();
-    if (!instance.self || residual_size != graph.ResidualSize(id) || repeated || misfits) {
-      if (repeated) why = "the same key twice";
+    if (!instance.self || residual_size != graph.ResidualSize(id)) {
       if (why.empty()) why = "it changed its number of residuals";
       Destroy(known);
       whiteners_.resize(known_noises);
       throw Error(Describe(graph, id) + ": " + why);
-    }
-    if (factor.noise_id >= known_noises && !whitened[factor.noise_id - known_noises]) {
-      whiteners_[factor.noise_id] = Whitener(factor.noise, residual_size);
-      whitened[factor.noise_id - known_noises] = true;
     }
   }
   variables_ = static_cast<VariableId>(graph.VariableCount());

@@ -21,9 +21,10 @@ class Evaluation {
   /// need it), kInput where a factor refuses its data.
   explicit Evaluation(const Graph& graph);
   ~Evaluation();
-  /// Takes in what the graph has beyond what was there.  Throws as the constructor; then nothing
-  /// was taken in.
-  void Grow();
+  /// Takes in what the graph has beyond what was there.  A factor with a mark in `left_out` (by
+  /// factor; beyond its end: none) is not created, and must never be evaluated.  Throws as the
+  /// constructor; then nothing was taken in.
+  void Grow(const std::vector<char>& left_out = {});
   Evaluation(const Evaluation&) = delete;
   Evaluation& operator=(const Evaluation&) = delete;
 

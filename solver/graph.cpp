@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "graticule/solver/error.hpp"
+#include "graticule/solver/gaussian.hpp"
 #include "graticule/solver/guarded.hpp"
 #include "graticule/solver/nearest.hpp"
 
@@ -42,18 +43,37 @@ std::string NotLoaded(const char* what, std::string_view name,
          DidYouMean(name, names);
 }
 
+bool HasRepeats(Span<const VariableId> variables) {
+  constexpr std::size_t kFew = 16;  // nothing is allocated for these
+  if (variables.size() > kFew) {
+    std::vector<VariableId> sorted(variables.begin(), variables.end());
+    std::sort(sorted.begin(), sorted.end());
+    return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+  }
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (variables[j] == variables[i]) return true;
+  return false;
+}
+
+constexpr const char* kLossScale = "expected a loss scale above zero whose square is a number";
+
+bool HasScale(const Loss& loss) { return loss.scale > 0 && std::isnormal(loss.scale * loss.scale); }
+
 // What `create` makes of a factor; destroyed at once.  Only the number of residuals is kept.
-int ResidualSizeOf(const FactorType& type, Span<const double> measurement,
-                   std::size_t block_count) {
+int ResidualSizeOf(const FactorType& type, Span<const double> measurement, const Graph& graph,
+                   Span<const VariableId> variables) {
   const graticule_measurement c = {sizeof(graticule_measurement),
                                    static_cast<std::int32_t>(measurement.size()),
                                    measurement.data()};
   std::int32_t residual_size = static_cast<std::int32_t>(type.schema.residual.size());
   std::string why;
-  void* made =
-      CreateFactor(*type.table, c, static_cast<std::int32_t>(block_count), &residual_size, &why);
+  void* made = CreateFactor(*type.table, c, static_cast<std::int32_t>(variables.size()),
+                            &residual_size, &why);
   if (!made) throw Error(why);
+  if (IsGaussian(type.table)) why = static_cast<const Gaussian*>(made)->Misfit(graph, variables);
   type.table->destroy(made);
+  if (!why.empty()) throw Error(why);
   if (residual_size < 1 || residual_size > 100000 ||
       (!type.schema.repeats_last_residual &&
        residual_size != static_cast<std::int32_t>(type.schema.residual.size())))
@@ -296,11 +316,8 @@ FactorId Graph::Add(TypeId type, Span<const VariableId> variables, Span<const do
       RefuseFactor(type, variables,
                    "expected " + variable_types_[expected].name + " at " +
                        KeyOf(variables[i]).ToString() + ", which is " + TypeOf(variables[i]).name);
-    for (std::size_t j = 0; j < i;
-         ++j)  // factors with many blocks are checked when they are solved
-      if (i < 16 && variables[j] == variables[i])
-        RefuseFactor(type, variables, "the same key twice");
   }
+  if (HasRepeats(variables)) RefuseFactor(type, variables, "the same key twice");
   if (!schema.AcceptsMeasurement(measurement.size()))
     RefuseFactor(type, variables,
                  "expected " + std::to_string(schema.measurement.size()) +
@@ -309,15 +326,14 @@ FactorId Graph::Add(TypeId type, Span<const VariableId> variables, Span<const do
                      std::to_string(measurement.size()));
   if (!AllFinite(measurement))
     RefuseFactor(type, variables, "expected finite numbers, found nan or inf");
-  if (!(loss.scale > 0) || !std::isnormal(loss.scale * loss.scale))
-    RefuseFactor(type, variables, "expected a loss scale above zero whose square is a number");
+  if (!HasScale(loss)) RefuseFactor(type, variables, kLossScale);
   if (FactorCount() + 1 >= kMaxCount) throw Error("more factors than a graph holds");
 
   int residual_size = static_cast<int>(schema.residual.size());
   std::uint32_t noise_id = 0;
   try {
     if (factor_type.Known())
-      residual_size = ResidualSizeOf(factor_type, measurement, variables.size());
+      residual_size = ResidualSizeOf(factor_type, measurement, *this, variables);
     else if (schema.repeats_last_residual)
       residual_size = ResidualSizeOf(noise, residual_size);
     noise_id = InternNoise(type, noise, residual_size);
@@ -397,7 +413,27 @@ Factor Graph::FactorRecord(FactorId id) const {
   return factor;
 }
 
+Graph::Record& Graph::RecordOf(FactorId id) {
+  if (id >= FactorCount())
+    throw Error("there is no factor " + std::to_string(id) + ": the graph has " +
+                    std::to_string(FactorCount()),
+                ErrorKind::kUsage);
+  return factors_[id];
+}
+
+void Graph::SetSource(FactorId id, std::string_view source) {
+  Record& record = RecordOf(id);
+  record.source = InternSource(source);
+}
+
+void Graph::SetLoss(FactorId id, const Loss& loss) {
+  Record& record = RecordOf(id);
+  if (!HasScale(loss)) throw Error(kLossScale);
+  record.loss = loss;
+}
+
 void Graph::SetLosses(const Loss& loss) {
+  if (!HasScale(loss)) throw Error(kLossScale);
   for (Record& record : factors_) record.loss = loss;
 }
 

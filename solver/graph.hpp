@@ -33,8 +33,8 @@ class Graph {
   VariableId Add(const Key& key, std::string_view type, const std::vector<double>& value,
                  bool fixed = false);
 
-  /// A factor.  Throws Error: unknown type, unknown key, wrong variable types, wrong count, not
-  /// finite, bad noise.
+  /// A factor.  Throws Error: unknown type, unknown key, the same key twice, wrong variable types,
+  /// wrong count, not finite, bad noise, bad loss.
   FactorId Add(const Factor& factor);
 
   // --- adding in bulk: names looked up once, nothing allocated a call
@@ -93,12 +93,12 @@ class Graph {
   Factor FactorRecord(FactorId id) const;
   int ResidualSize(FactorId id) const { return factors_[id].residual_size; }
   std::size_t NoiseCount() const { return noises_.size(); }
-  void SetSource(FactorId id, std::string_view source) {
-    factors_[id].source = InternSource(source);
-  }
-  /// Replaces every factor's loss.
+  /// Replaces who said so.  Throws Error (kUsage): no such factor.
+  void SetSource(FactorId id, std::string_view source);
+  /// Replaces a factor's loss.  Throws Error: no such factor (kUsage), a scale that Add refuses.
+  void SetLoss(FactorId id, const Loss& loss);
+  /// Replaces every factor's loss.  Throws Error: a scale that Add refuses; then none is replaced.
   void SetLosses(const Loss& loss);
-  void SetLoss(FactorId id, const Loss& loss) { factors_[id].loss = loss; }
 
   // --- types
 
@@ -132,6 +132,7 @@ class Graph {
   };
 
   Layout& MutableLayout();
+  Record& RecordOf(FactorId id);  // throws Error (kUsage): no such factor
   /// Runs `add`; where it throws, types that came into use only by it are not in use.
   template <class Action>
   auto AddOrForgetTypes(Action&& add);

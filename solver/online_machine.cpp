@@ -60,10 +60,10 @@ void Online::Machine::Relinearise() {
 }
 
 void Online::Machine::TakeIn(OnlineReport* report) {
-  evaluation.Grow();
+  standing.resize(graph.FactorCount(), kCounts);
+  evaluation.Grow(standing);
   is_held.resize(graph.VariableCount(), 0);
   has_left.resize(graph.VariableCount(), 0);
-  standing.resize(graph.FactorCount(), kCounts);
   FindAbsolutes();
   ReviewAnchor();
   report->new_variables = graph.VariableCount() - variables;

@@ -82,7 +82,7 @@ TEST(Gaussian, RefusesNumbersThatAreNotOfItsVariables) {
   short_of_columns.columns = 7;
   short_of_columns.r.resize(8 * 7);
   ExpectError(ErrorKind::kInput, {"gaussian/1", "pose:0", "7 columns", "need 8 and 9"},
-              [&] { Solve(Mixed(short_of_columns)); });
+              [&] { Mixed(short_of_columns); });
   Gaussian no_point = Triangular();
   no_point.point.clear();
   ExpectError(ErrorKind::kInput, {"gaussian/1", "fewer numbers"}, [&] { Mixed(no_point); });

@@ -134,6 +134,38 @@ TEST(Graph, RefusesAFactorThatIsNotRight) {
   });
 }
 
+TEST(Graph, RefusesAKeyThatIsTwiceAmongMany) {
+  Graph graph(Builtins());
+  Factor many{"gaussian/1", {}, {1, 54}, Noise::Unit(), {}, ""};
+  for (unsigned i = 0; i < 17; ++i) {
+    graph.Add(Key("pose", i), "se2/1", {0, 0, 0});
+    many.keys.push_back(Key("pose", i));
+  }
+  many.keys.push_back(Key("pose:3"));
+  many.measurement.resize(2 + 54 + 54 + 1, 0.0);
+  ExpectError(ErrorKind::kInput, {"gaussian/1", "same key twice"}, [&] { graph.Add(many); });
+  graph.Add(Key("pose:17"), "se2/1", {0, 0, 0});
+  many.keys.back() = Key("pose:17");
+  EXPECT_NO_THROW(graph.Add(many));
+}
+
+TEST(Graph, ReplacesLossesAndSourcesOfFactorsThatAreThere) {
+  Graph graph = Small();
+  graph.SetLoss(0, {LossKind::kCauchy, 2});
+  graph.SetSource(0, "lidar");
+  EXPECT_EQ(graph.FactorRecord(0).source, "lidar");
+  const std::string before = Describe(graph);
+  ExpectError(ErrorKind::kUsage, {"no factor 1", "has 1"}, [&] { graph.SetLoss(1, {}); });
+  ExpectError(ErrorKind::kUsage, {"no factor 1", "has 1"}, [&] { graph.SetSource(1, "x"); });
+  for (const double scale : {0.0, -1.0, std::nan(""), 1e-200}) {
+    const Loss bad{LossKind::kHuber, scale};
+    ExpectError(ErrorKind::kInput, {"loss scale above zero"}, [&] { graph.SetLoss(0, bad); });
+    ExpectError(ErrorKind::kInput, {"loss scale above zero"}, [&] { graph.SetLosses(bad); });
+  }
+  EXPECT_EQ(Describe(graph), before);
+  EXPECT_EQ(graph.LossOf(0), (Loss{LossKind::kCauchy, 2}));
+}
+
 TEST(Graph, ThatRefusesATypesFirstUseHasNotUsedIt) {
   // Files list the types in use: one that was only tried must not appear there.
   ExpectRefused(ErrorKind::kInput, {"expected 7 numbers"},

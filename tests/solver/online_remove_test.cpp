@@ -138,6 +138,38 @@ TEST(OnlineRemove, CuresAFactorThatCannotBeEvaluated) {
   EXPECT_NEAR(online.UpdateExactly().objective, 0, 1e-9);
 }
 
+// Made once, as the graph looks at it; refuses ever after.
+struct FickleFactor {
+  static constexpr const char* kName = "fickle/1";
+  static constexpr const char* kSchema = "x:vector1/1 | x | r";
+  static constexpr const char* kSummary = "changes its mind";
+  static int made;
+  double x;
+  explicit FickleFactor(Measurement m) : x(m[0]) {
+    if (++made > 1) throw std::runtime_error("not again");
+  }
+  template <class T>
+  bool operator()(const T* value, T* residual) const {
+    residual[0] = value[0] - x;
+    return true;
+  }
+};
+int FickleFactor::made = 0;
+
+TEST(OnlineRemove, CuresAFactorThatIsRefusedAtTheUpdate) {
+  Registry types = TestTypes();
+  types.Add(MakeFactorType(sdk::Table<FickleFactor>::kTable, "test"));
+  FickleFactor::made = 0;
+  Online online(types);
+  online.Add(Key("x:0"), "vector1/1", {2});
+  const FactorId bad = online.Add({"fickle/1", {Key("x:0")}, {1}, Noise::Sigma(0.1), {}, ""});
+  online.Add({"log/1", {Key("x:0")}, {0}, Noise::Sigma(0.1), {}, ""});
+  ExpectError(ErrorKind::kInput, {"fickle/1", "x:0", "not again"}, [&] { online.Update(); });
+  online.Remove(bad);
+  EXPECT_EQ(online.Update().new_factors, 1u);
+  EXPECT_NEAR(online.UpdateExactly().objective, 0, 1e-9);
+}
+
 // Snapshots are brought up to date and given out again: never under a reader's hands.
 TEST(OnlineSnapshots, StayAsTheyWereHoweverLongTheyAreHeld) {
   const Graph graph = WithChords(Se2Loop(150, 0.02, 0.02), true);
