@@ -37,8 +37,13 @@ void BindOnline(py::module_& module) {
       .Result("eliminated", &OnlineReport::eliminated, "Variables eliminated anew.")
       .Result("relinearised", &OnlineReport::relinearised, "Variables linearised anew.")
       .Result("changed", &OnlineReport::changed, "Variables computed anew.")
-      .Result("loose", &OnlineReport::loose, "Variables that nothing determines.")
+      .Result("loose", &OnlineReport::loose,
+              "Of these, variables that nothing determines in some direction, held along it.  Of "
+              "several that are loose together, one stands for all.")
       .Result("objective", &OnlineReport::objective, "Of update_exactly: 0.5 sum rho(r' W r).")
+      .Result("termination", &OnlineReport::termination,
+              "Of update_exactly: how the solve ended.  update takes one step: NO_CONVERGENCE.")
+      .Result("message", &OnlineReport::message, "Of update_exactly: why it ended.")
       .Result("seconds", &OnlineReport::seconds, "Wall time.");
   py::class_<Online>(module, "Online",
                      "A graph that grows and is solved as it grows: incremental smoothing after "
@@ -88,7 +93,8 @@ void BindOnline(py::module_& module) {
           },
           "key"_a,
           "(tangent size, tangent size) the marginal covariance as of the last update.  Zero "
-          "where the variable is held.")
+          "where the variable is held.  IllPosedError: it moves with something that nothing "
+          "determines.")
       .def("problem", &Online::Problem, Released(),
            "The problem as it stands: without what was removed, Gaussians in place of what was "
            "marginalised.")

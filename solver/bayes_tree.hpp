@@ -39,7 +39,7 @@ class BayesTree {
     std::size_t cliques = 0;        ///< eliminated
     std::size_t variables = 0;      ///< of these
     std::size_t factors = 0;        ///< linearised
-    std::vector<VariableId> loose;  ///< that nothing determines: held where they are, weakly
+    std::vector<VariableId> loose;  ///< that nothing determines along what they are held
   };
 
   /// Takes in what the graph has beyond the last update, terms that came and went, and `changes`;
@@ -67,6 +67,7 @@ class BayesTree {
   void SetPropagation(double threshold) { propagation_ = threshold; }
 
   /// The marginal covariance of a variable in its tangent, row by row; zero where it is held.
+  /// Throws Error (kIllPosed) where it moves with what nothing determines.
   std::vector<double> Covariance(VariableId id) const;
 
  private:
@@ -80,6 +81,7 @@ class BayesTree {
     std::vector<int> children;
     std::vector<FactorId> factors;
     std::vector<double> l, y;             // as Front has them
+    std::vector<int> held;                // columns that nothing determines
     std::vector<double> remainder, rest;  // what the parent is told
     bool is_marked = false;
   };
@@ -113,6 +115,7 @@ class BayesTree {
   std::vector<int> MakeCliques(const Part& part);
   void Linearise(FactorId id, const double* points);
   void Eliminate(int clique, Work* work);
+  VariableId VariableAt(const Clique& clique, int row) const;
   void Assemble(const Clique& clique);
   void Solve(const std::vector<int>& made);
   void SolveFor(int clique, bool is_made);
@@ -127,8 +130,8 @@ class BayesTree {
   std::vector<int> step_begin_{0};  // by variable
   std::vector<double> step_;
   std::vector<double> followed_step_;  // the step when cliques further down were last told of it
-  std::vector<int> clique_of_;                     // by variable, where it is eliminated
-  std::vector<int> clique_of_factor_;              // where it is added
+  std::vector<int> clique_of_;         // by variable, where it is eliminated
+  std::vector<int> clique_of_factor_;  // where it is added
   std::vector<std::vector<FactorId>> factors_of_;  // by variable
   std::vector<std::size_t> linear_begin_{0};       // by factor
   std::vector<double> linear_;                     // residual and packed Jacobians, weighted

@@ -9,8 +9,9 @@
 namespace graticule {
 namespace {
 
-// Added to the diagonal, relative to its largest, where a front is not positive definite.
-constexpr double kWeakly = 1e-8;
+// What a variable moves, in its tangent, with a number that nothing determines: below this it is
+// rounding.
+constexpr double kMoves = 1e-6;
 
 }  // namespace
 
@@ -85,27 +86,29 @@ void BayesTree::Assemble(const Clique& clique) {
 void BayesTree::Eliminate(int id, Work* work) {
   Clique& clique = cliques_[static_cast<std::size_t>(id)];
   Assemble(clique);
+  clique.held.clear();
   if (!front_.Eliminate()) {
-    // Nothing determines some direction: held where it is, weakly, until something does.
-    for (double weakly = kWeakly;; weakly *= 100) {
-      Assemble(clique);
-      double* matrix = front_.Matrix();
-      double largest = 0;
-      for (int i = 0; i < clique.rows; ++i)
-        largest = std::max(largest, matrix[i * clique.rows + i]);
-      for (int i = 0; i < clique.columns; ++i)
-        matrix[i * clique.rows + i] += weakly * (largest > 0 ? largest : 1);
-      if (front_.Eliminate()) break;
-      if (!(weakly < 1)) throw Error("the linear system is not finite", ErrorKind::kOther);
+    // Nothing determines some direction: held where it is, until something does.
+    Assemble(clique);
+    if (!front_.EliminateHolding(&clique.held))
+      throw Error("the linear system is not finite", ErrorKind::kOther);
+    VariableId last = Layout::kNone;
+    for (const int column : clique.held) {
+      const VariableId variable = VariableAt(clique, column);
+      if (variable != last) work->loose.push_back(last = variable);
     }
-    work->loose.insert(work->loose.end(), clique.variables.begin(),
-                       clique.variables.begin() + static_cast<std::ptrdiff_t>(clique.eliminated));
   }
   const auto size =
       static_cast<std::size_t>(clique.rows) * static_cast<std::size_t>(clique.columns);
   clique.l.assign(front_.L(), front_.L() + size);
   clique.y.assign(front_.Y(), front_.Y() + clique.columns);
   front_.CopyRemainder(&clique.remainder, &clique.rest);
+}
+
+VariableId BayesTree::VariableAt(const Clique& clique, int row) const {
+  std::size_t i = 0;
+  while (row >= TangentSize(clique.variables[i])) row -= TangentSize(clique.variables[i++]);
+  return clique.variables[i];
 }
 
 // From the roots down.
@@ -192,6 +195,16 @@ std::vector<double> BayesTree::Covariance(VariableId id) const {
         const double value = all[static_cast<std::size_t>(j)] /= column[j];
         for (int r = j + 1; r < clique.rows; ++r)
           all[static_cast<std::size_t>(r)] -= column[r] * value;
+      }
+      for (const int j : clique.held) {
+        if (std::abs(all[static_cast<std::size_t>(j)]) > kMoves) {
+          const Graph& graph = evaluation_.TheGraph();
+          throw Error(graph.KeyOf(id).ToString() + " has no covariance: nothing determines " +
+                          graph.KeyOf(VariableAt(clique, j)).ToString() +
+                          (VariableAt(clique, j) == id ? "" : ", which it moves with"),
+                      ErrorKind::kIllPosed);
+        }
+        all[static_cast<std::size_t>(j)] = 0;
       }
       const double* next = all.data();
       for (const VariableId variable : clique.variables) {

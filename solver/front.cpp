@@ -37,7 +37,7 @@ void Front::Reset(int rows, int columns) {
 }
 
 bool Front::Eliminate() {
-  const int n = rows_, f = columns_, s = n - f, one_step = 1;
+  const int n = rows_, f = columns_;
   double* a = matrix_.data();
   diagonal_.clear();
   for (int i = 0; i < f; ++i) diagonal_.push_back(a[i * n + i]);
@@ -56,20 +56,54 @@ bool Front::Eliminate() {
     }
     return true;
   }
-  const double one = 1, minus_one = -1;
   int info = 0;
   dpotrf_("L", &f, a, &n, &info);
   if (info != 0) return false;
   for (int i = 0; i < f; ++i)
     if (!(a[i * n + i] * a[i * n + i] > kRounding * diagonal_[static_cast<std::size_t>(i)]))
       return false;
+  EliminateFromOthers({});
+  return true;
+}
+
+bool Front::EliminateHolding(std::vector<int>* held) {
+  const int n = rows_, f = columns_;
+  double* a = matrix_.data();
+  diagonal_.clear();
+  for (int i = 0; i < f; ++i) diagonal_.push_back(a[i * n + i]);
+  for (int j = 0; j < f; ++j) {
+    const double pivot = a[j * n + j];
+    if (!std::isfinite(pivot)) return false;
+    if (!(pivot > kRounding * diagonal_[static_cast<std::size_t>(j)])) {
+      held->push_back(j);
+      a[j * n + j] = 1;
+      std::fill(a + j * n + j + 1, a + j * n + f, 0.0);
+      continue;
+    }
+    const double root = std::sqrt(pivot);
+    for (int i = j; i < f; ++i) a[j * n + i] /= root;
+    for (int k = j + 1; k < f; ++k) {
+      const double factor = a[j * n + k];
+      for (int i = k; i < f; ++i) a[k * n + i] -= factor * a[j * n + i];
+    }
+  }
+  EliminateFromOthers(*held);
+  return true;
+}
+
+// The right-hand side, and the rows of the others.
+void Front::EliminateFromOthers(const std::vector<int>& held) {
+  const int n = rows_, f = columns_, s = n - f, one_step = 1;
+  const double one = 1, minus_one = -1;
+  double* a = matrix_.data();
   dtrsv_("L", "N", "N", &f, a, &n, rhs_.data(), &one_step);
-  if (s == 0) return true;
+  for (const int j : held) rhs_[static_cast<std::size_t>(j)] = 0;
+  if (s == 0) return;
   dtrsm_("R", "L", "T", "N", &s, &f, &one, a, &n, a + f, &n);
+  for (const int j : held) std::fill(a + j * n + f, a + j * n + n, 0.0);
   dsyrk_("L", "N", &s, &f, &minus_one, a + f, &n, &one, a + f * n + f, &n);
   dgemv_("N", &s, &f, &minus_one, a + f, &n, rhs_.data(), &one_step, &one, rhs_.data() + f,
          &one_step);
-  return true;
 }
 
 void Front::CopyRemainder(std::vector<double>* matrix, std::vector<double>* rhs) const {

@@ -22,6 +22,10 @@ class Front {
   /// False where the eliminated part is not positive definite, or so nearly that its pivots are
   /// rounding; then the front must be made anew.
   bool Eliminate();
+  /// The same where that fails: numbers whose pivots are rounding are not determined, and held at
+  /// zero.  Appends their columns to `held`; what their rows of L say of the others is kept.  False
+  /// where the system is not finite.
+  bool EliminateHolding(std::vector<int>* held);
 
   /// After it, with L the factor's columns and y its solved right-hand side: Rows() x Columns()
   /// numbers, and Columns().
@@ -40,6 +44,8 @@ class Front {
                      std::vector<double>* matrix, std::vector<double>* rhs);
 
  private:
+  void EliminateFromOthers(const std::vector<int>& held);
+
   int rows_ = 0, columns_ = 0;
   std::vector<double> matrix_, rhs_, diagonal_;
 };

@@ -54,6 +54,8 @@ OnlineReport Online::UpdateExactly() {
   if (solution.report.termination == Termination::kFailed)
     throw Error(solution.report.message, ErrorKind::kOther);
   report.objective = solution.report.final_objective;
+  report.termination = solution.report.termination;
+  report.message = solution.report.message;
   std::vector<double> found = m.estimate;
   for (VariableId place = 0; place < problem.VariableCount(); ++place) {
     const VariableId id = m.is_whole ? place : m.graph.Find(problem.KeyOf(place));

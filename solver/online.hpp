@@ -8,9 +8,11 @@
 
 #include "graticule/solver/graph.hpp"
 #include "graticule/solver/options.hpp"
+#include "graticule/solver/report.hpp"
 
 namespace graticule {
 
+/// Thresholds are 0 or more, `relinearise_every` 1 or more.
 struct OnlineOptions {
   /// A variable is linearised anew where a component of its step since then (m, rad) is larger.
   double relinearise_above = 0.05;
@@ -34,10 +36,15 @@ struct OnlineReport {
   std::size_t eliminated = 0;    ///< variables eliminated anew
   std::size_t relinearised = 0;  ///< variables linearised anew
   std::size_t changed = 0;       ///< variables whose value was computed anew
-  /// Variables that nothing determines in some direction: they stay near where they are.
+  /// Of what was eliminated anew: variables that nothing determines in some direction.  They are
+  /// held along it where they are.  Of several that are loose together, as of a robot not yet met,
+  /// the one that is held stands for all.
   std::vector<Key> loose;
   double objective = 0;  ///< of UpdateExactly: 0.5 sum rho(r' W r)
-  double seconds = 0;    ///< wall time
+  /// Of UpdateExactly: how Solve ended, and why.  Update takes one step, and does not claim more.
+  Termination termination = Termination::kNoConvergence;
+  std::string message;
+  double seconds = 0;  ///< wall time
 };
 
 /// A graph that grows and is solved as it grows: what a SLAM stack embeds.  Incremental smoothing
@@ -49,6 +56,7 @@ struct OnlineReport {
 /// Where no factor is absolute and no variable fixed, the variable added first is held.
 class Online {
  public:
+  /// Throws Error (kUsage): an option out of its range.
   explicit Online(Registry types, OnlineOptions options = {});
   ~Online();
   Online(const Online&) = delete;
@@ -62,11 +70,13 @@ class Online {
   FactorId Add(const Factor& factor);
 
   /// Takes in what was added since the last update, and publishes new values.
-  /// Throws Error (kOther) where a factor cannot be evaluated: what was published stays, and the
-  /// next update begins from there (without that factor, once it is removed).
+  /// Throws Error, kOther where a factor cannot be evaluated, kInput where one refuses by now what
+  /// it took when it was added: what was published stays, and the next update begins from there
+  /// (without that factor, once it is removed).
   OnlineReport Update();
   /// The same, and then on to the minimum of Problem(), as Solve finds it from here.  Throws Error
-  /// as Update and Solve do, and kOther where Solve fails.
+  /// as Update and Solve do, and kOther where Solve fails.  Where Solve ends before the minimum,
+  /// the report's termination says so, and its values are published.
   OnlineReport UpdateExactly();
 
   /// Holds variables where they are from now on: they cost nothing any more, and neither do factors
@@ -98,7 +108,8 @@ class Online {
 
   /// The marginal covariance of a variable, in its tangent, row by row, as of the last update and
   /// where factors were last linearised.  Zero where it is held.  Throws Error (kInput): unknown
-  /// key, one added since the last update, or one that was marginalised.
+  /// key, one added since the last update, or one that was marginalised.  kIllPosed: the variable
+  /// moves with something that nothing determines (OnlineReport::loose).
   std::vector<double> Covariance(const Key& key) const;
 
   /// The problem as it stands, to be written or solved by others, at the values of the last update:

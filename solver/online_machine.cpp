@@ -7,12 +7,27 @@
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
+namespace {
+
+void CheckThreshold(const char* name, double value) {
+  if (!(value >= 0))
+    throw Error(std::string(name) + ": expected a number of 0 or more, found " + Shown(value),
+                ErrorKind::kUsage);
+}
+
+}  // namespace
 
 Online::Machine::Machine(Registry types, OnlineOptions wanted)
     : graph(std::move(types)),
       options(std::move(wanted)),
       evaluation(graph),
       tree(evaluation, terms) {
+  CheckThreshold("relinearise_above", options.relinearise_above);
+  CheckThreshold("propagate_above", options.propagate_above);
+  if (options.relinearise_every < 1)
+    throw Error("relinearise_every: expected a number of 1 or more, found " +
+                    std::to_string(options.relinearise_every),
+                ErrorKind::kUsage);
   tree.SetPropagation(options.propagate_above);
   for (const auto& [family, count] : options.lag) by_family[family];
 }

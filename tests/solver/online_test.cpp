@@ -145,6 +145,67 @@ TEST(Online, HoldsWhatNothingDeterminesUntilSomethingDoes) {
   EXPECT_NEAR(online.Latest()->At(Key("b:1"))[0], 2 + std::cos(0.5), 1e-6);
 }
 
+TEST(Online, GivesNoCovarianceOfWhatNothingDetermines) {
+  Online online(TestTypes());
+  online.Add(Key("a:0"), "se2/1", {0, 0, 0}, true);
+  for (unsigned i = 1; i < 4; ++i) {
+    online.Add(Key("a", i), "se2/1", {1.0 * i, 0, 0});
+    online.Add(BetweenSe2Factor(Key("a", i - 1), Key("a", i), {1, 0, 0}, Noise::Sigma(0.1)));
+  }
+  for (unsigned i = 0; i < 3; ++i) {  // another robot, not yet met
+    online.Add(Key("b", i), "se2/1", {1.0 * i, 5, 0});
+    if (i) online.Add(BetweenSe2Factor(Key("b", i - 1), Key("b", i), {1, 0, 0}, Noise::Sigma(0.1)));
+  }
+  const std::vector<Key> loose = online.Update().loose;
+  ASSERT_EQ(loose.size(), 1u) << "stands for all";
+  EXPECT_EQ(loose[0].Family(), "b");
+  for (const char* key : {"b:0", "b:1", "b:2"})
+    ExpectError(ErrorKind::kIllPosed, {key, loose[0].ToString()},
+                [&] { online.Covariance(Key(key)); });
+  const Numbers known = online.Covariance(Key("a:3"));
+  EXPECT_NEAR(known[0], 0.03, 1e-12);
+
+  // A landmark with one bearing: loose, what sees it is not.
+  online.Add(Key("tree:0"), "point2/1", {3, 3});
+  online.Add(
+      {"bearing_se2/1", {Key("a:3"), Key("tree:0")}, {std::acos(0.0)}, Noise::Sigma(0.01), {}, ""});
+  EXPECT_EQ(online.Update().loose, std::vector<Key>{Key("tree:0")});
+  ExpectError(ErrorKind::kIllPosed, {"tree:0"}, [&] { online.Covariance(Key("tree:0")); });
+  const Numbers still = online.Covariance(Key("a:3"));
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(still[i], known[i], 1e-12);
+
+  online.Add(BetweenSe2Factor(Key("a:3"), Key("b:0"), {0, 5, 0}, Noise::Sigma(0.1), "meeting"));
+  online.Update();
+  EXPECT_NEAR(online.Covariance(Key("b:0"))[8], 0.04, 1e-12) << "yaw, over four factors";
+}
+
+TEST(Online, RefusesOptionsOutOfTheirRange) {
+  const auto refuse = [](const char* name, void (*bend)(OnlineOptions*)) {
+    OnlineOptions options;
+    bend(&options);
+    ExpectError(ErrorKind::kUsage, {name}, [&] { Online(TestTypes(), options); });
+  };
+  refuse("relinearise_every", [](OnlineOptions* o) { o->relinearise_every = 0; });
+  refuse("relinearise_above", [](OnlineOptions* o) { o->relinearise_above = -1; });
+  refuse("propagate_above", [](OnlineOptions* o) { o->propagate_above = std::nan(""); });
+}
+
+TEST(Online, SaysHowAnExactUpdateEnded) {
+  const Graph graph = WithChords(Se2Loop(60, 0.02, 0.2), true);
+  OnlineOptions options;
+  options.relinearise_above = 1e9;
+  options.solve.max_iterations = 1;
+  Online online(TestTypes(), options);
+  Replay(graph, &online);
+  const OnlineReport cut_short = online.UpdateExactly();
+  EXPECT_EQ(cut_short.termination, Termination::kNoConvergence);
+  EXPECT_NE(cut_short.message, "");
+  options.solve.max_iterations = 100;
+  Online whole(TestTypes(), options);
+  Replay(graph, &whole);
+  EXPECT_EQ(whole.UpdateExactly().termination, Termination::kConverged);
+}
+
 TEST(Online, FreezesAPartOfTheMap) {
   const Graph graph = WithChords(Se2Loop(60, 0.02, 0.02), true);
   Online online(TestTypes());
