@@ -13,6 +13,14 @@ std::string Text(const py::ssize_t* sizes, std::size_t count) {
 
 }  // namespace
 
+Integers::Integers(const py::array& array) : Dense<std::int64_t>(array) {
+  const char kind = array.dtype().kind();
+  if (array.size() > 0 && kind != 'i' && kind != 'u')
+    throw Error(
+        "expected an array of integers, found one of " + py::str(array.dtype()).cast<std::string>(),
+        ErrorKind::kUsage);
+}
+
 std::string ShapeOf(const py::array& array) {
   return Text(array.shape(), static_cast<std::size_t>(array.ndim()));
 }

@@ -30,6 +30,15 @@ template <class T>
 using Dense = py::array_t<T, py::array::c_style | py::array::forcecast>;
 using Shape = std::vector<py::ssize_t>;
 
+/// Ids and numbers of keys.  Unlike Dense, takes no array of others: 1.7 is not the id 1, and a
+/// mask is not a list of ids.  An empty one may be of any kind, as Python's [] is.
+class Integers : public Dense<std::int64_t> {
+ public:
+  Integers() = default;
+  /// Throws Error (kUsage).
+  explicit Integers(const py::array& array);
+};
+
 /// An array that owns what was in the vector.
 template <class T>
 py::array_t<T> Owned(std::vector<T>&& values, Shape shape) {
@@ -108,6 +117,22 @@ struct numbers_caster {
   }
 };
 
+template <>
+struct type_caster<graticule::python::Integers> {
+  PYBIND11_TYPE_CASTER(graticule::python::Integers, const_name("numpy.ndarray[") +
+                                                        npy_format_descriptor<std::int64_t>::name +
+                                                        const_name("]"));
+
+  bool load(handle source, bool) {
+    const array given = array::ensure(source);
+    if (!given) {
+      PyErr_Clear();
+      return false;
+    }
+    value = graticule::python::Integers(given);
+    return true;
+  }
+};
 template <>
 struct type_caster<std::vector<double>> : numbers_caster<std::vector<double>, double, true> {};
 template <>

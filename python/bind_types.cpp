@@ -22,14 +22,13 @@ void BindKey(py::module_& m) {
       .def_property_readonly("number", &Key::Number, "12")
       .def("__str__", &Key::ToString)
       .def("__repr__", [](const Key& key) { return "Key('" + key.ToString() + "')"; })
-      .def("__hash__", [](const Key& key) { return KeyHash()(key); })
+      .def("__hash__", [](const Key& key) { return py::hash(py::str(key.ToString())); })
       .def(
           "__eq__",
           [](const Key& key, const py::object& other) {
-            Key parsed("a", 0);
             if (py::isinstance<Key>(other)) return key == other.cast<const Key&>();
-            return py::isinstance<py::str>(other) &&
-                   Key::Parse(other.cast<std::string>(), &parsed) && key == parsed;
+            // Only the text whose hash it has: "pose:01" is not it.
+            return py::isinstance<py::str>(other) && key.ToString() == other.cast<std::string>();
           },
           "other"_a)
       .def(

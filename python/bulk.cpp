@@ -83,8 +83,7 @@ void AboutRow(py::ssize_t row, const Add& add) {
 }
 
 template <class Number, class Get>
-py::array_t<Number> RowsOfFactors(const Graph& graph, const Dense<std::int64_t>& factors,
-                                  const Get& get) {
+py::array_t<Number> RowsOfFactors(const Graph& graph, const Integers& factors, const Get& get) {
   ExpectShape(factors, {-1}, "factors");
   const py::ssize_t count = factors.shape(0);
   py::ssize_t width = 0;
@@ -102,19 +101,18 @@ py::array_t<Number> RowsOfFactors(const Graph& graph, const Dense<std::int64_t>&
 }  // namespace
 
 Ids AddVariables(Graph& graph, const std::string& family, const std::string& type,
-                 const Dense<double>& values, const std::optional<Dense<std::int64_t>>& numbers,
+                 const Dense<double>& values, const std::optional<Integers>& numbers,
                  const std::optional<Dense<bool>>& fixed) {
   ExpectShape(values, {-1, -1}, "values");
   const py::ssize_t count = values.shape(0);
   const auto size = static_cast<std::size_t>(values.shape(1));
   if (numbers) ExpectShape(*numbers, {count}, "numbers");
   if (fixed) ExpectShape(*fixed, {count}, "fixed");
-  std::uint64_t next = 0;
-  if (!numbers)
-    for (std::size_t i = 0; i < graph.VariableCount(); ++i) {
-      const Key& key = graph.KeyOf(static_cast<VariableId>(i));
-      if (key.Family() == family) next = std::max(next, key.Number() + 1);
-    }
+  const std::optional<std::uint64_t> largest = graph.LargestNumber(family);
+  const std::uint64_t next = largest ? *largest + 1 : 0;
+  if (!numbers && largest && ~*largest < static_cast<std::uint64_t>(count))
+    throw Error("numbers: give them, for none is left above " + std::to_string(*largest),
+                ErrorKind::kUsage);
   const Graph::TypeId type_id = graph.VariableTypeId(type);
   Ids ids(count);
   for (py::ssize_t i = 0; i < count; ++i)
@@ -130,7 +128,7 @@ Ids AddVariables(Graph& graph, const std::string& family, const std::string& typ
   return ids;
 }
 
-Ids AddFactors(Graph& graph, const std::string& type, const Dense<std::int64_t>& variables,
+Ids AddFactors(Graph& graph, const std::string& type, const Integers& variables,
                const Dense<double>& measurements, const py::object& noise, const Loss& loss,
                const std::string& source) {
   ExpectShape(variables, {-1, -1}, "variables");
@@ -182,7 +180,7 @@ py::array_t<std::uint64_t> NumbersOfFamily(const Values& values, const std::stri
   return Owned(std::move(numbers));
 }
 
-Ids IdsOf(const Graph& graph, const std::string& family, const Dense<std::int64_t>& numbers) {
+Ids IdsOf(const Graph& graph, const std::string& family, const Integers& numbers) {
   Ids ids(Shape(numbers.shape(), numbers.shape() + numbers.ndim()));
   for (py::ssize_t i = 0; i < numbers.size(); ++i) {
     const std::int64_t number = numbers.data()[i];
@@ -205,12 +203,12 @@ Ids FactorIds(const Graph& graph, const std::optional<std::string>& type,
   return Owned(std::move(ids));
 }
 
-Ids VariablesOfFactors(const Graph& graph, const Dense<std::int64_t>& factors) {
+Ids VariablesOfFactors(const Graph& graph, const Integers& factors) {
   return RowsOfFactors<std::uint32_t>(graph, factors,
                                       [&](FactorId id) { return graph.VariablesOf(id); });
 }
 
-py::array_t<double> MeasurementsOfFactors(const Graph& graph, const Dense<std::int64_t>& factors) {
+py::array_t<double> MeasurementsOfFactors(const Graph& graph, const Integers& factors) {
   return RowsOfFactors<double>(graph, factors,
                                [&](FactorId id) { return graph.FactorAt(id).measurement; });
 }

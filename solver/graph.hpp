@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -58,6 +59,10 @@ class Graph {
   const Key& KeyOf(VariableId id) const { return layout_->KeyOf(id); }
   /// Layout::kNone if there is none.
   VariableId Find(const Key& key) const { return layout_->Find(key); }
+  /// The largest number of a family's keys; nothing where there is no such family.
+  std::optional<std::uint64_t> LargestNumber(std::string_view family) const {
+    return layout_->LargestNumber(family);
+  }
   /// Throws Error if there is none.
   VariableId IdOf(const Key& key) const;
   const VariableType& TypeOf(VariableId id) const { return variable_types_[variable_type_[id]]; }

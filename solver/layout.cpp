@@ -8,18 +8,24 @@ namespace graticule {
 VariableId Layout::Find(const Key& key) const {
   const auto family = families_.find(key.Family());
   if (family == families_.end()) return kNone;
-  const auto& [dense, sparse] = family->second;
+  const auto& [dense, sparse, largest] = family->second;
   if (key.Number() < dense.size()) return dense[key.Number()];
   if (sparse.empty()) return kNone;
   const auto it = sparse.find(key.Number());
   return it == sparse.end() ? kNone : it->second;
 }
 
+std::optional<std::uint64_t> Layout::LargestNumber(std::string_view name) const {
+  const auto family = families_.find(name);
+  if (family == families_.end()) return std::nullopt;
+  return family->second.largest;
+}
+
 VariableId Layout::Add(const Key& key, std::size_t size) {
   auto family = families_.find(key.Family());
   if (family == families_.end())
     family = families_.emplace(std::string(key.Family()), Family()).first;
-  auto& [dense, sparse] = family->second;
+  auto& [dense, sparse, largest] = family->second;
   const std::uint64_t number = key.Number();
   const auto id = static_cast<VariableId>(keys_.size());
   if (number >= dense.size() && number < 64 + 2 * (dense.size() + sparse.size())) {
@@ -41,6 +47,7 @@ VariableId Layout::Add(const Key& key, std::size_t size) {
   } else if (!sparse.emplace(number, id).second) {
     return kNone;
   }
+  largest = std::max(largest, number);
   keys_.push_back(key);
   offsets_.push_back(offsets_.back() + size);
   return id;

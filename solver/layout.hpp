@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -26,6 +28,8 @@ class Layout {
 
   /// kNone if the key is not there.
   VariableId Find(const Key& key) const;
+  /// Of a family's keys; nothing where there is no such family.
+  std::optional<std::uint64_t> LargestNumber(std::string_view family) const;
   /// kNone if the key is already there.
   VariableId Add(const Key& key, std::size_t size);
   /// Positions in the order of their keys.
@@ -38,6 +42,7 @@ class Layout {
   struct Family {
     std::vector<VariableId> dense;
     std::unordered_map<std::uint64_t, VariableId> sparse;
+    std::uint64_t largest = 0;
   };
   std::vector<Key> keys_;
   std::vector<std::size_t> offsets_{0};

@@ -31,6 +31,9 @@ class Keys(unittest.TestCase):
         self.assertLess(Key("pose:9"), Key("pose:10"))
         self.assertEqual(Key("pose", 3), "pose:3")
         self.assertNotEqual(Key("pose", 3), "not a key")
+        self.assertIn("pose:3", {Key("pose", 3)})
+        self.assertIn(Key("pose", 3), {"pose:3": 1})
+        self.assertNotEqual(Key("pose", 3), "pose:03")
         self.assertEqual(len({Key("a:1"), Key("a", 1)}), 1)
         self.assertEqual(pickle.loads(pickle.dumps(Key("robot1:7"))), Key("robot1:7"))
 
@@ -74,6 +77,24 @@ class Adding(unittest.TestCase):
         self.assertEqual(graph.keys()[-1], "pose:4")
         graph.add_variables("pose", "se2/1", np.zeros((1, 3)), numbers=[17], fixed=[True])
         self.assertTrue(graph.is_fixed("pose:17"))
+        graph.add_variables("pose", "se2/1", np.zeros((1, 3)))
+        self.assertEqual(graph.keys()[-1], "pose:18")
+        graph.add_variables("other", "se2/1", np.zeros((1, 3)))
+        self.assertEqual(graph.keys()[-1], "other:0")
+
+    def test_ids_are_integers(self):
+        graph = chain(3)
+        for call in (
+            lambda: graph.ids("pose", [0.0, 1.7]),
+            lambda: graph.variables_of(np.array([0.5])),
+            lambda: graph.measurements_of(np.array([True, False])),
+            lambda: graph.add_variables("pose", "se2/1", np.zeros((1, 3)), numbers=[8.5]),
+            lambda: graph.add_factors("between_se2/1", np.array([[0.0, 2.0]]), [[2, 0, 0]]),
+        ):
+            with self.assertRaisesRegex(graticule.UsageError, "expected an array of integers"):
+                call()
+        self.assertEqual(graph.ids("pose", []).size, 0)
+        np.testing.assert_array_equal(graph.ids("pose", np.array([2], np.uint8)), [2])
 
     def test_noise_may_differ_by_factor(self):
         for noise in (

@@ -35,6 +35,16 @@ TEST(Layout, FindsWhatWasAddedAndNothingElse) {
   }
 }
 
+TEST(Layout, KnowsTheLargestNumberOfAFamily) {
+  Layout layout;
+  EXPECT_EQ(layout.LargestNumber("pose"), std::nullopt);
+  for (const std::uint64_t number : {0ull, 1ull << 40, 7ull}) layout.Add(Key("pose", number), 1);
+  layout.Add(Key("point:3"), 1);
+  EXPECT_EQ(layout.Add(Key("point:3"), 1), Layout::kNone);
+  EXPECT_EQ(layout.LargestNumber("pose"), 1ull << 40);
+  EXPECT_EQ(layout.LargestNumber("point"), 3u);
+}
+
 TEST(Layout, TakesTheLargestNumberWithoutATableOfThatSize) {
   Layout layout;
   EXPECT_EQ(layout.Add(Key("pose", ~std::uint64_t{0}), 1), 0u);
