@@ -47,8 +47,8 @@ void BindOutliers(py::module_& module) {
          bool from_values, const py::object& on_iteration, const py::kwargs& keywords) {
         const RejectionOptions reject = OptionsFrom(rejection, keywords);
         const SolveOptions solve = options ? *options : SolveOptions();
-        return Watched(on_iteration, [&](const Observer& watch) {
-          return SolveWithoutOutliers(graph, reject, solve, watch, from_values);
+        return Watched(graph, on_iteration, [&](const Graph& asked, const Observer& watch) {
+          return SolveWithoutOutliers(asked, reject, solve, watch, from_values);
         });
       },
       "graph"_a, "rejection"_a = nullptr, "options"_a = nullptr, "from_values"_a = false,

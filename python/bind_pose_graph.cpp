@@ -112,9 +112,12 @@ void BindStarts(py::module_& m) {
          const py::object& on_iteration, const py::kwargs& keywords) {
         const InitialGuess guess = GuessOf(how);
         const SolveOptions chosen = OptionsFrom(options, keywords);
-        return Watched(on_iteration, [&](const Observer& watch) {
-          return InitialiseAndSolve(&graph, guess, file_has_guess, chosen, watch);
+        Graph placed = graph;  // a callback may change the graph itself
+        PoseGraphSolution solved = Watched(on_iteration, [&](const Observer& watch) {
+          return InitialiseAndSolve(&placed, guess, file_has_guess, chosen, watch);
         });
+        graph.SetValues(placed.InitialValues());
+        return solved;
       },
       "graph"_a, "how"_a = "automatic", "file_has_guess"_a = true, "options"_a = nullptr,
       py::kw_only(), "on_iteration"_a = py::none(),

@@ -113,14 +113,16 @@ void BindSolver(py::module_& module) {
       [](const Graph& graph, const SolveOptions* options, const py::object& on_iteration,
          const py::kwargs& keywords) {
         const SolveOptions chosen = OptionsFrom(options, keywords);
-        return Watched(on_iteration,
-                       [&](const Observer& watch) { return Solve(graph, chosen, watch); });
+        return Watched(graph, on_iteration, [&](const Graph& asked, const Observer& watch) {
+          return Solve(asked, chosen, watch);
+        });
       },
       "graph"_a, "options"_a = nullptr, py::kw_only(), "on_iteration"_a = py::none(),
       "Minimises 0.5 sum rho(r' W r) over the free variables, from the graph's own values.  The "
       "graph is not changed.  Options also as keywords: `solve(graph, threads=2)`.  "
       "`on_iteration` is called with an Iteration after each; where it returns False the best so "
-      "far is the result.  Ctrl-C raises KeyboardInterrupt after the next iteration.  Other "
+      "far is the result; what it does to the graph the next solve sees.  Ctrl-C raises "
+      "KeyboardInterrupt after the next iteration.  Other "
       "threads run meanwhile.  Throws Error for what is wrong with the graph; what is numerical "
       "is in the report.");
   module.def(

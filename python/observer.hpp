@@ -1,6 +1,7 @@
 #pragma once
 
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include "bind.hpp"
@@ -59,6 +60,16 @@ auto Watched(const py::object& on_iteration, const Solve& solve) {
   }();
   observer.Rethrow();
   return result;
+}
+
+/// The same for what is solved of a graph: of a copy where Python is called meanwhile, which may
+/// change the graph itself.
+template <class Solve>
+auto Watched(const Graph& graph, const py::object& on_iteration, const Solve& solve) {
+  std::optional<Graph> copy;
+  if (!on_iteration.is_none()) copy = graph;
+  return Watched(on_iteration,
+                 [&](const Observer& watch) { return solve(copy ? *copy : graph, watch); });
 }
 
 }  // namespace graticule::python

@@ -114,7 +114,7 @@ bool NormalEquations::Linearise(const double* data, double* objective) {
   if (parallel_) parallel_->Prepare(data, true);
   std::vector<const double*> blocks;
   std::vector<double*> jacobians;
-  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+  for (FactorId id = 0; id < evaluation_.FactorCount(); ++id) {
     const int rows = graph.ResidualSize(id);
     double* residual = scratch_.data();
     if (parallel_) {
@@ -183,7 +183,7 @@ bool NormalEquations::Objective(const double* data, double* objective) {
   *objective = 0;
   double rho[3];
   if (parallel_) parallel_->Prepare(data, false);
-  for (FactorId id = 0; id < graph.FactorCount(); ++id) {
+  for (FactorId id = 0; id < evaluation_.FactorCount(); ++id) {
     double chi2 = 0;
     if (parallel_) {
       const double* residual = parallel_->At(id);

@@ -55,6 +55,21 @@ class Watching(unittest.TestCase):
         with self.assertRaisesRegex(LookupError, "from within"):
             graticule.solve(city(), on_iteration=fail)
 
+    def test_may_change_the_graph_for_the_next_solve(self):
+        def add_more(graph):
+            for _ in range(2000):
+                graph.add(graticule.between_se2_factor("robot1:0", "robot1:5", [1, 0, 0], 0.1))
+
+        for solve in (graticule.solve, pose_graph.initialise_and_solve):
+            with self.subTest(solve.__name__):
+                graph = city()
+                before = graph.factor_count
+                expected = solve(city(), on_iteration=lambda i: True)
+                found = solve(graph, on_iteration=lambda i: add_more(graph))
+                self.assertGreater(graph.factor_count, before)
+                expected, found = (getattr(s, "solution", s).report for s in (expected, found))
+                self.assertEqual(found.final_objective, expected.final_objective)
+
     def test_control_c_ends_a_solve(self):
         def interrupt(iteration):
             os.kill(os.getpid(), signal.SIGINT)
@@ -128,6 +143,8 @@ class Growing(unittest.TestCase):
             online.add(graph.factor(id))
         report = online.update_exactly()
         self.assertEqual(report.new_factors, graph.factor_count)
+        self.assertEqual(report.termination, graticule.Termination.CONVERGED)
+        self.assertNotEqual(report.message, "")
         whole = graticule.solve(graph)
         self.assertAlmostEqual(report.objective, whole.report.final_objective, delta=1e-6)
         self.assertEqual(online.covariance("robot1:3").shape, (3, 3))
