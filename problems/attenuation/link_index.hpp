@@ -85,8 +85,9 @@ void LinkIndex::Nearest(const SignalLink& link, std::size_t count, const LinkOf&
     };
     std::int64_t ring = 0;
     const auto is_done = [&] { return heap.size() == count && reach(ring) > heap.front().first; };
-    // A ring of more cells than hold links at all: look at what is left, whole.
-    for (; !is_done() && 8 * ring <= static_cast<std::int64_t>(cells_.size()); ++ring) {
+    // Rings of more cells together than hold links at all: look at what is left, whole.
+    const auto cells = static_cast<std::int64_t>(cells_.size());
+    for (; !is_done() && (2 * ring + 1) * (2 * ring + 1) <= cells; ++ring) {
       for (std::int64_t i = x - ring; i <= x + ring; ++i)
         if (std::abs(i - x) == ring)
           for (std::int64_t j = y - ring; j <= y + ring; ++j) look_in(i, j);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "graticule/problems/attenuation/link_index.hpp"
@@ -289,6 +290,27 @@ TEST(Persistence, FadesFromTheLastResidualsToTheLogFit) {
   SignalLink soon = measurements.back().link, late = soon;
   late.time_s += 3000;
   const auto kept = Predicted(persistence, {soon, late});
+TEST(LinkIndex, FindsTheNearestOfManyCellsFromFarOff) {
+  // Rings around the query as long as one of them is smaller than all cells would be 10^9 cells, a
+  // minute and more; all cells once are a hundredth of a second.
+  std::vector<SignalLink> links(200000);
+  LinkIndex index(1);
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    links[i].receiver_m = links[i].transmitter_m = {static_cast<double>(i), 0, 0};
+    index.Add(static_cast<std::uint32_t>(i), links[i]);
+  }
+  SignalLink query;
+  query.receiver_m = query.transmitter_m = {0, 1e6, 0};
+  std::vector<std::pair<double, std::uint32_t>> nearest;
+  const auto begin = std::chrono::steady_clock::now();
+  index.Nearest(
+      query, 1, [&](std::uint32_t i) -> const SignalLink& { return links[i]; },
+      [](std::uint32_t) { return true; }, &nearest);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  ASSERT_EQ(nearest.size(), 1u);
+  EXPECT_EQ(nearest[0].second, 0u);
+}
+
   const auto base = Predicted(mean, {soon, late});
   EXPECT_NE(kept[0].dbm, base[0].dbm);
   EXPECT_NEAR(kept[1].dbm, base[1].dbm, 1e-9);
