@@ -7,6 +7,13 @@
 #include "graticule/solver/error.hpp"
 
 namespace graticule {
+namespace {
+
+// One measurement's deviation as first believed, and how many measurements that is worth: a few
+// that are alike by chance are no proof that all are.  As TomographyOptions has them.
+constexpr double kSigma_db = 5, kSigmaWeight = 5;
+
+}  // namespace
 
 void CheckMeasurements(Span<const SignalMeasurement> measurements) {
   for (const SignalMeasurement& measurement : measurements) {
@@ -36,10 +43,10 @@ void LogFit::AddMeasurements(Span<const SignalMeasurement> measurements) {
 void LogFit::Update(double) {
   covariance_ = information_.inverse();
   coefficients_ = covariance_ * right_hand_side_;
-  if (count_ < 3) return;
   const double sum = squares_ - 2 * coefficients_.dot(right_hand_side_) +
                      coefficients_.dot(information_ * coefficients_);
-  sigma_db_ = std::sqrt(std::max(sum / (count_ - 2), 1e-6));
+  sigma_db_ = std::sqrt((kSigmaWeight * kSigma_db * kSigma_db + std::max(0.0, sum)) /
+                        (kSigmaWeight + std::max(0.0, count_ - 2)));
 }
 
 void LogFit::Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const {

@@ -11,8 +11,8 @@ namespace graticule {
 constexpr double kShortestLink_m = 0.1;
 
 /// Path loss alone, y = L0 - a log10(d), by least squares in closed form (thesis 3.1), or the mean
-/// alone.  One measurement's deviation is that of the residuals; the coefficients' uncertainty
-/// comes to it.
+/// alone.  One measurement's deviation is that of the residuals and of a belief that is worth a few
+/// of them; the coefficients' uncertainty comes to it.
 class LogFit : public SignalPredictor {
  public:
   explicit LogFit(bool use_distance = true) : use_distance_(use_distance) {}
@@ -34,7 +34,7 @@ class LogFit : public SignalPredictor {
   // Before the first measurement: free space, of a radio that nobody has heard of.
   Eigen::Matrix2d information_ = Eigen::Vector2d(1e-4, 1e-3).asDiagonal();
   Eigen::Vector2d right_hand_side_{-40e-4, -20e-3};
-  double squares_ = 0;  // of the strengths
+  double squares_ = 0.16 + 0.4;  // of the strengths, and of what was believed
   double count_ = 0;
   Eigen::Vector2d coefficients_{-40, -20};
   Eigen::Matrix2d covariance_ = Eigen::Vector2d(1e4, 1e3).asDiagonal();  // of noise 1

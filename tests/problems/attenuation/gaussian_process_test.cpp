@@ -93,10 +93,22 @@ TEST(LogFit, IsTheLeastSquaresLine) {
   const auto predictions = Predicted(fit, LinksOf(measurements));
   for (std::size_t i = 0; i < predictions.size(); ++i)
     sum += std::pow(predictions[i].dbm - measurements[i].dbm, 2);
-  EXPECT_NEAR(fit.SigmaDb(), std::sqrt(sum / 498), 1e-3);
+  EXPECT_NEAR(fit.SigmaDb(), std::sqrt((5 * 25 + sum) / (5 + 498)), 1e-3);
 }
 
 /// A dense Gaussian process by the book, on the residuals of a log-fit.
+TEST(LogFit, IsNotSureOfAFewThatAreAlike) {
+  LogFit fit;
+  SignalMeasurement measurement;
+  measurement.link.transmitter_m = {5, 0, 0};
+  measurement.dbm = -50;
+  const std::vector<SignalMeasurement> three(3, measurement);
+  fit.AddMeasurements(three);
+  fit.Update(0);
+  // Five of 5 dB are believed, and one more of none is left over.
+  EXPECT_NEAR(fit.SigmaDb(), 5 * std::sqrt(5.0 / 6), 0.05);
+}
+
 TEST(GaussianProcess, AgreesWithTheDenseFormulasThroughTheSparseFactor) {
   GaussianProcessOptions options;
   options.place = {3, 1, 6, 3};
@@ -278,18 +290,6 @@ TEST(LinkIndex, FindsWhatLookingAtAllFinds) {
   }
 }
 
-TEST(Persistence, FadesFromTheLastResidualsToTheLogFit) {
-  const auto measurements = Hall(300, 14);
-  Persistence persistence(30);
-  LogFit mean;
-  for (SignalPredictor* predictor :
-       {static_cast<SignalPredictor*>(&persistence), static_cast<SignalPredictor*>(&mean)}) {
-    predictor->AddMeasurements(measurements);
-    predictor->Update(30);
-  }
-  SignalLink soon = measurements.back().link, late = soon;
-  late.time_s += 3000;
-  const auto kept = Predicted(persistence, {soon, late});
 TEST(LinkIndex, FindsTheNearestOfManyCellsFromFarOff) {
   // Rings around the query as long as one of them is smaller than all cells would be 10^9 cells, a
   // minute and more; all cells once are a hundredth of a second.
@@ -311,6 +311,18 @@ TEST(LinkIndex, FindsTheNearestOfManyCellsFromFarOff) {
   EXPECT_EQ(nearest[0].second, 0u);
 }
 
+TEST(Persistence, FadesFromTheLastResidualsToTheLogFit) {
+  const auto measurements = Hall(300, 14);
+  Persistence persistence(30);
+  LogFit mean;
+  for (SignalPredictor* predictor :
+       {static_cast<SignalPredictor*>(&persistence), static_cast<SignalPredictor*>(&mean)}) {
+    predictor->AddMeasurements(measurements);
+    predictor->Update(30);
+  }
+  SignalLink soon = measurements.back().link, late = soon;
+  late.time_s += 3000;
+  const auto kept = Predicted(persistence, {soon, late});
   const auto base = Predicted(mean, {soon, late});
   EXPECT_NE(kept[0].dbm, base[0].dbm);
   EXPECT_NEAR(kept[1].dbm, base[1].dbm, 1e-9);
