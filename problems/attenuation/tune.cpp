@@ -155,7 +155,6 @@ CompassResult CompassSearch(const CompassEvaluate& find_values, const std::vecto
   }
   result.value = result.start_value = known.at(start);
   for (double step = options.first_step; step >= options.last_step;) {
-    if (asked.size() >= options.max_evaluations) return result;
     std::vector<std::vector<double>> points;
     for (std::size_t i = 0; i < start.size(); ++i)
       for (const double sign : {1.0, -1.0}) {
@@ -165,6 +164,10 @@ CompassResult CompassSearch(const CompassEvaluate& find_values, const std::vecto
         if (!options.upper.empty()) point[i] = std::min(point[i], options.upper[i]);
         points.push_back(std::move(point));
       }
+    const std::set<std::vector<double>> round(points.begin(), points.end());
+    const auto news = static_cast<std::size_t>(std::count_if(
+        round.begin(), round.end(), [&](const auto& point) { return asked.count(point) == 0; }));
+    if (asked.size() + news > options.max_evaluations) return result;
     evaluate(points);
     // All gains at once: of each coordinate the better way, where there is one.
     std::vector<double> together = result.best;
@@ -179,6 +182,7 @@ CompassResult CompassSearch(const CompassEvaluate& find_values, const std::vecto
     bool is_better = take_least(points);
     if (result.was_stopped) return result;
     if (gains > 1) {
+      if (asked.count(together) == 0 && asked.size() >= options.max_evaluations) return result;
       evaluate({together});
       is_better = take_least({together}) || is_better;
       if (result.was_stopped) return result;

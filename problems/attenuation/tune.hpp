@@ -8,12 +8,13 @@
 namespace graticule {
 
 struct CompassOptions {
-  double first_step = 1;               ///< in each coordinate, before halving
-  double last_step = 0.01;             ///< the search ends when a smaller step would be next
-  std::vector<double> scale;           ///< of each coordinate's step; empty: 1
-  std::vector<double> lower, upper;    ///< bounds; empty: none
-  std::size_t max_evaluations = 1000;  ///< with those that a state file remembers
-  std::size_t threads = 1;             ///< the function is then called from so many at once
+  double first_step = 1;             ///< in each coordinate, before halving
+  double last_step = 0.01;           ///< the search ends when a smaller step would be next
+  std::vector<double> scale;         ///< of each coordinate's step; empty: 1
+  std::vector<double> lower, upper;  ///< bounds; empty: none
+  /// With those that a state file remembers, and at least one: what does not fit is not begun.
+  std::size_t max_evaluations = 1000;
+  std::size_t threads = 1;  ///< the function is then called from so many at once
   /// Where every value that was found is kept, so that a search which was stopped goes on where it
   /// was.  Empty: nowhere.  A file of another search is refused.
   std::string state_path;

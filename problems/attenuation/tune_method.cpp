@@ -13,9 +13,11 @@ namespace {
 
 using Settings = std::vector<const SignalSetting*>;
 
-// The search's coordinate of a setting's value, and back.
+// The search's coordinate of a setting's value, and back.  Zero, which no factor leads to, is where
+// the least that is tried is.
 double Coordinate(const SignalSetting& setting, double value) {
-  return setting.is_log ? std::log2(value) : value;
+  if (!setting.is_log) return value;
+  return std::log2(value > 0 ? value : setting.lower);
 }
 
 double Value(const SignalSetting& setting, double coordinate) {

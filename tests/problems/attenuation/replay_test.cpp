@@ -206,6 +206,19 @@ TEST(CompassSearch, StoppedAnywhereItEndsAsIfItHadNotBeen) {
   std::filesystem::remove(path);
 }
 
+TEST(CompassSearch, NeverFindsMoreValuesThanItMay) {
+  const auto bowl = [](const std::vector<double>& x) {
+    double sum = 0;
+    for (const double v : x) sum += (v - 3) * (v - 3);
+    return sum;
+  };
+  for (std::size_t most = 1; most < 40; ++most) {
+    CompassOptions options;
+    options.max_evaluations = most;
+    EXPECT_LE(CompassSearch(bowl, {0, 0, 0}, options).evaluations, most);
+  }
+}
+
 TEST(CompassSearch, StaysWithinItsBounds) {
   CompassOptions options;
   options.lower = {-1, -1};
@@ -233,6 +246,23 @@ TEST(TuneMethod, FindsHowLongResidualsLast) {
   EXPECT_THROW(TuneMethod("persistence", {}, start, options), Error);
   options.only = {"magic"};
   EXPECT_THROW(TuneMethod("persistence", {{log, nullptr}}, start, options), Error);
+}
+
+TEST(TuneMethod, GoesOnFromASettingThatIsZero) {
+  const std::string path = ::testing::TempDir() + "/tune_zero.state";
+  std::filesystem::remove(path);
+  MethodOptions start;
+  start.mrt.lambda = 0;
+  TuneOptions options;
+  options.only = {"mrt.lambda"};
+  options.state_path = path;
+  options.max_evaluations = 3;
+  const std::vector<TrainingLog> logs = {{TwoDrives(), nullptr}};
+  const TuneResult first = TuneMethod("mrt", logs, start, options);
+  const TuneResult again = TuneMethod("mrt", logs, start, options);
+  EXPECT_EQ(again.search.evaluations, 0u);
+  EXPECT_EQ(again.after, first.after);
+  EXPECT_TRUE(std::isfinite(again.after));
 }
 
 TEST(TuneMethod, RefusesTheStateOfOtherLogs) {
