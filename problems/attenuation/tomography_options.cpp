@@ -62,6 +62,10 @@ void TomographyOptions::Check() const {
     Expect(classes.empty() || c < classes.size(),
            "class_of names class " + std::to_string(c) + " of " + std::to_string(classes.size()));
   ExpectNotBelowZero("cell_m", cell_m);
+  constexpr double kSmallestCell_m =
+      0.05;  // less than wavelengths, and a house is millions of them
+  Expect(cell_m == 0 || cell_m >= kSmallestCell_m,
+         "cell_m is " + Shown(cell_m) + "; expected " + Shown(kSmallestCell_m) + " or above, or 0");
   ExpectNotBelowZero("lambda", lambda);
   Expect(margin_cells >= 0 && margin_cells <= 8,
          "margin_cells is " + std::to_string(margin_cells) + "; expected 0 to 8");

@@ -40,7 +40,7 @@ struct TomographyOptions {
   /// The class of cells that are unknown, free, structure.
   std::array<std::uint8_t, 3> class_of = {2, 0, 1};
   bool uses_map = true;   ///< false: all is of class 0
-  double cell_m = 4;      ///< a coarse cell's side; 0: one cell that is everywhere
+  double cell_m = 4;      ///< a coarse cell's side, at least 0.05; 0: one cell that is everywhere
   double lambda = 4;      ///< weight of neighbours of a class being alike
   int margin_cells = 1;   ///< cells so near to one that a ray crosses are estimated, too
   double outside_m = 10;  ///< positions further outside of the map are refused

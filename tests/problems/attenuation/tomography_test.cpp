@@ -344,6 +344,17 @@ TEST(Tomography, RefusesWhatIsNotAMeasurement) {
   expect_refused([&](auto* m) { m->link.transmitter = m->link.receiver; });
 }
 
+TEST(Tomography, RefusesCellsThatAreNoCells) {
+  TomographyOptions options;
+  options.cell_m = 1e-9;
+  try {
+    options.Check();
+    FAIL() << "a cell of a nanometre";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("cell_m"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Tomography, SaysWhatStandingStillDoesNotDetermine) {
   Tomography matte(TomographyOptions::Matte());
   matte.SetMap(Room());
