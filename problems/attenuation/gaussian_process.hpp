@@ -23,8 +23,8 @@ struct GaussianProcessOptions {
   std::size_t max_points = 600;
   bool learn = true;  ///< both deviations and the length by marginal likelihood, as data doubles
 
-  /// As in the thesis (Table 3.1's caption): min(600, 5 %) points, support 20 m, taper 3, length
-  /// 28.75 m, deviations 1 and 1.5 dB, fixed.  Its kernel is not positive definite.
+  /// As in the thesis (Table 3.1's caption): 5 % of the points (30 to 600), support 20 m, taper 3,
+  /// length 28.75 m, deviations 1 and 1.5 dB, fixed.  Its kernel is not positive definite.
   static GaussianProcessOptions Mrgp();
 
   /// Throws Error (kUsage): a deviation, a length, ... that is not above zero.

@@ -28,7 +28,10 @@ class SignalPredictor {
   /// that need no map ignore it.
   virtual void SetMap(std::shared_ptr<const OccupancyGrid> map) = 0;
 
-  /// In the order of time.  Throws Error (kInput): not finite, outside of the map.
+  /// In the order of time.  A packet not heard is known to be below its floor: Tomography and
+  /// FittedTomography take it so, ResidualGp leaves it to its mean; mean, log-fit, persistence and
+  /// the processes of GaussianProcess take it as heard at the floor.  Throws Error (kInput): not
+  /// finite, outside of the map.
   virtual void AddMeasurements(Span<const SignalMeasurement> measurements) = 0;
 
   /// Learns from what was added.  `now_s` is the time up to which measurements were taken.

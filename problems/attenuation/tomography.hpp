@@ -64,8 +64,8 @@ class Tomography : public SignalPredictor {
   double AttenuationAt(std::uint32_t material, double x_m, double y_m) const;
   int LastIterations() const { return last_iterations_; }
 
-  /// What measurements have not determined: its posterior standard deviation is above nine tenths
-  /// of what was believed before.  "slope: what was believed before is kept", "class structure: no
+  /// What measurements have not determined: its posterior standard deviation is above half of
+  /// what was believed before.  "slope: what was believed before is kept", "class structure: no
   /// ray".
   std::vector<std::string> NotDetermined() const;
 

@@ -20,7 +20,7 @@ struct FirstGuess {
 /// it: 1 is tight, for few views.
 CameraPrior FirstPrior(const CameraIntrinsics& camera, double width);
 
-/// First estimates of one camera, best first; empty where no view has four corners.
+/// First estimates of one camera, best first; empty where no view has six corners.
 ///
 /// A range of focal lengths and four shapes of lens are tried.  For each the pixels become rays,
 /// and the rays of a view a pose of the target (PoseFromRays), which needs no focal length to be

@@ -28,8 +28,8 @@ enum class FrameVerdict {
 /// Two phases, as in the thesis (section 5.2), without a seam.  Bootstrapping: with one, two and
 /// three frames the camera is solved under a prior that widens (FirstPrior: centre near the middle,
 /// focal lengths alike, terms small), where the thesis has models with fewer parameters.
-/// Uncertainty reduction: from the fourth frame on, or as soon as they constrain every parameter,
-/// frames speak alone.  Deterministic.
+/// Uncertainty reduction: as soon as three frames or more constrain every parameter, they speak
+/// alone.  Deterministic.
 class CalibrationSession {
  public:
   /// Throws Error (kUsage): a target without corners, an image without size, no such model.
