@@ -33,6 +33,12 @@ ReprojectionError SummariseErrors(std::vector<double>* distances) {
   return error;
 }
 
+double HeldOutError_px(const ReprojectionError& error) {
+  const auto seen = static_cast<double>(error.corners), unseen = static_cast<double>(error.unseen);
+  constexpr double kUnseen = 10;  // px
+  return (seen * error.mean_px + unseen * kUnseen) / (seen + unseen);
+}
+
 ReprojectionError EvaluateOn(const CalibrationState& calibration, const Detections& test,
                              std::vector<std::vector<double>>* distances_px,
                              const std::vector<std::optional<Se3Array>>* starts) {
@@ -75,11 +81,10 @@ ReprojectionError EvaluateOn(const CalibrationState& calibration, const Detectio
 
 ReprojectionError CrossValidate(const Registry& types, const Detections& detections,
                                 const Calibration& calibration, const CalibrationOptions& options,
-                                int folds, std::vector<double>* error_per_exposure) {
+                                int folds, std::vector<ReprojectionError>* by_exposure) {
   std::vector<double> all;
   std::size_t views = 0;
-  if (error_per_exposure)
-    error_per_exposure->assign(detections.exposures, std::numeric_limits<double>::quiet_NaN());
+  std::vector<std::vector<double>> of_exposure(detections.exposures);
   for (int fold = 0; fold < folds; ++fold) {
     Detections train = detections, test = detections;
     train.views.clear();
@@ -96,15 +101,17 @@ ReprojectionError CrossValidate(const Registry& types, const Detections& detecti
     std::vector<std::vector<double>> distances;
     views += EvaluateOn(trained.state, test, &distances).views;
     for (std::size_t v = 0; v < distances.size(); ++v) {
-      if (error_per_exposure) {
-        std::vector<double> copy = distances[v];
-        (*error_per_exposure)[test.views[v].exposure] = SummariseErrors(&copy).mean_px;
-      }
+      std::vector<double>& here = of_exposure[test.views[v].exposure];
+      here.insert(here.end(), distances[v].begin(), distances[v].end());
       all.insert(all.end(), distances[v].begin(), distances[v].end());
     }
   }
   ReprojectionError error = SummariseErrors(&all);
   error.views = views;
+  if (by_exposure) {
+    by_exposure->clear();
+    for (std::vector<double>& here : of_exposure) by_exposure->push_back(SummariseErrors(&here));
+  }
   return error;
 }
 

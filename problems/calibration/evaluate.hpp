@@ -17,6 +17,10 @@ struct ReprojectionError {
 /// Summary of distances; reorders them.
 ReprojectionError SummariseErrors(std::vector<double>* distances_px);
 
+/// Mean distance [px] as models are compared by it, which a corner that is far off does not rule; a
+/// corner without an image counts as 10 px.  NaN where there is no corner at all.
+double HeldOutError_px(const ReprojectionError& error);
+
 /// A calibration on views that it was not made from (thesis, section 5.5): the target's pose is
 /// optimised for every view, the cameras, the target's shape and the rig stay.  Views that no
 /// pose explains count as unseen.
@@ -30,8 +34,11 @@ ReprojectionError EvaluateOn(const CalibrationState& calibration, const Detectio
 
 /// The same for exposures left out in turn: `folds` calibrations, each made without its share of
 /// the exposures and evaluated on them.  Each begins at the whole calibration.
+///
+/// `by_exposure`, unless null, receives each exposure's errors over all its views; `views` in it is
+/// 0.
 ReprojectionError CrossValidate(const Registry& types, const Detections& detections,
                                 const Calibration& calibration, const CalibrationOptions& options,
-                                int folds, std::vector<double>* error_per_exposure = nullptr);
+                                int folds, std::vector<ReprojectionError>* by_exposure = nullptr);
 
 }  // namespace graticule

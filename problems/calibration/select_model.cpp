@@ -38,7 +38,7 @@ Detections Some(const Detections& detections) {
 struct Candidate {
   ModelTrial trial;
   Calibration calibration;
-  std::vector<double> by_exposure;  // held-out error
+  std::vector<ReprojectionError> by_exposure;  // held out
 };
 
 // Why a model cannot be the one, without solving for it: it does not bend rays as the views ask,
@@ -77,21 +77,16 @@ Candidate Try(const Registry& types, const Detections& detections, const Calibra
   return candidate;
 }
 
-// Held-out error as models are compared by it: a corner without an image is a large error.  The
-// mean distance, which a corner that is far off does not rule.
 double Score(const ModelTrial& trial) {
-  const ReprojectionError& e = trial.held_out;
-  if (!trial.failure.empty()) return HUGE_VAL;
-  const auto seen = static_cast<double>(e.corners), unseen = static_cast<double>(e.unseen);
-  constexpr double kUnseen = 10;  // px
-  return (seen * e.mean_px + unseen * kUnseen) / (seen + unseen);
+  return trial.failure.empty() ? HeldOutError_px(trial.held_out) : HUGE_VAL;
 }
 
-// Mean and standard error of a's error less b's, over the exposures that both have.
+// Mean and standard error of a's error less b's, over the exposures that have corners.
 void Compare(const Candidate& best, Candidate* candidate) {
   std::vector<double> differences;
   for (std::size_t e = 0; e < candidate->by_exposure.size(); ++e) {
-    const double d = candidate->by_exposure[e] - best.by_exposure[e];
+    const double d =
+        HeldOutError_px(candidate->by_exposure[e]) - HeldOutError_px(best.by_exposure[e]);
     if (std::isfinite(d)) differences.push_back(d);
   }
   const auto n = static_cast<double>(differences.size());

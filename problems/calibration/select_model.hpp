@@ -34,12 +34,12 @@ struct ModelSelection {
 /// Shapes of the target and then models, all on the same data, judged by five-fold
 /// cross-validation over exposures.
 ///
-/// Chosen is, of the models whose held-out error is within one standard error of the best (Breiman
-/// et al. 1984), the one with the most evidence: never one that only fits its own data better. With
-/// more than 40 exposures, 40 of them judge.  `models` empty: all built-in ones.  `boards` are
-/// tried with the bootstrap's model, in the order given; a shape must be better by a standard error
-/// than the one before it.  With fewer than three exposures nothing can be left
-/// out: angular1 under a prior, and no error is known.  Throws Error as BootstrapCalibration does.
+/// Chosen is, of the models whose held-out error is within two standard errors of the best, at
+/// least 1 % and at most 5 % of its error (after Breiman et al. 1984), the one with the most
+/// evidence. With more than 40 exposures, 40 of them judge.  `models` empty: all built-in ones.
+/// `boards` are tried with the bootstrap's model, in the order given; a shape must be better by a
+/// standard error than the one before it.  With fewer than three exposures nothing can be left out:
+/// angular1 under a prior, and no error is known.  Throws Error as BootstrapCalibration does.
 ModelSelection SelectModel(const Registry& types, const Detections& detections,
                            const CalibrationOptions& options,
                            const std::vector<std::string>& models,

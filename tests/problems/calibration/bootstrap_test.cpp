@@ -194,6 +194,24 @@ TEST(Bootstrap, GraphOfACalibrationIsSolvedWhereItWasSolved) {
   }
 }
 
+TEST(CrossValidate, CountsWhatItCouldNotPredictAsFarOff) {
+  SimulatedDetections frames = Frames(Lens(2), 8, 0.05);
+  const Calibration found = BootstrapCalibration(Builtins(), frames.detections, {});
+  // Of two cameras' views of an exposure the last one must not speak for both.
+  TargetView lost = frames.detections.views[1];
+  lost.corners.resize(2);  // too few for a pose
+  frames.detections.views.push_back(lost);
+  frames.detections.views[3].corners.resize(2);
+  std::vector<ReprojectionError> by_exposure;
+  CrossValidate(Builtins(), frames.detections, found, {}, 4, &by_exposure);
+  ASSERT_EQ(by_exposure.size(), 8u);
+  EXPECT_EQ(by_exposure[1].corners, frames.detections.views[1].corners.size());
+  EXPECT_EQ(by_exposure[1].unseen, 2u);
+  EXPECT_LT(by_exposure[1].mean_px, 1);
+  EXPECT_EQ(by_exposure[3].corners, 0u);
+  EXPECT_EQ(HeldOutError_px(by_exposure[3]), 10);
+}
+
 TEST(SelectModel, TakesTheModelThatTheImagesWereMadeWith) {
   CameraIntrinsics camera{"", "brown4", 640, 480, {520, 522, 318, 241, -.22, .06, .004, -.003}};
   const SimulatedDetections frames = Frames(camera, 25, 0.05);
