@@ -29,24 +29,27 @@ const TomographyOptions* GraphOptions(const std::string& method, const MethodOpt
   return nullptr;
 }
 
-/// What the log leaves as it was believed, said on stderr.
-std::vector<std::string> SayWhatIsNotDetermined(const LoadedSignal& signal,
-                                                const TomographyOptions& options,
-                                                const Console& console) {
+/// What the log leaves as it was believed.
+std::vector<std::string> NotDeterminedBy(const LoadedSignal& signal,
+                                         const TomographyOptions& options) {
   Tomography learnt(options);
   if (signal.map) learnt.SetMap(signal.map);
   learnt.AddMeasurements(signal.log.measurements);
   learnt.Update(signal.log.measurements.back().link.time_s);
-  const std::vector<std::string> all = learnt.NotDetermined();
-  for (const std::string& what : all) console.Note(signal.name + ": not determined: " + what);
-  return all;
+  return learnt.NotDetermined();
+}
+
+void Say(const std::vector<std::string>& not_determined, const LoadedSignal& signal,
+         const Console& console) {
+  for (const std::string& what : not_determined)
+    console.Note(signal.name + ": not determined: " + what);
 }
 
 int FitGraph(const SignalFitCommand& command, const LoadedSignal& signal,
              const TomographyOptions& options, const Console& console) {
   FittedGraph built =
       About(signal.name, [&] { return BuildFitted(signal.log, signal.map, options); });
-  const std::vector<std::string> not_determined = SayWhatIsNotDetermined(signal, options, console);
+  Say(built.not_determined, signal, console);
 
   Recording recording(Builtins());
   recording.graph = std::move(built.graph);
@@ -79,7 +82,7 @@ int FitGraph(const SignalFitCommand& command, const LoadedSignal& signal,
                {"noise_db", built.model.options.sigma_db},
                {"cells", built.model.layout.cells.size()},
                {"classes", Json::array()},
-               {"not_determined", not_determined}};
+               {"not_determined", built.not_determined}};
   for (std::size_t r = 0; r < estimate.receiver_bias_db.size(); ++r)
     json["bias_db"][signal.log.radios[r]] = {{"receiving", estimate.receiver_bias_db[r]},
                                              {"sending", estimate.transmitter_bias_db[r]}};
@@ -148,7 +151,8 @@ int Run(const SignalFitCommand& command, const Console& console) {
   const TomographyOptions* mean = GraphOptions(method.substr(0, method.find('+')), options);
   if (mean == nullptr) mean = GraphOptions("log-fit", options);
   std::vector<std::string> not_determined;
-  if (method != "mean") not_determined = SayWhatIsNotDetermined(signal, *mean, console);
+  if (method != "mean") not_determined = NotDeterminedBy(signal, *mean);
+  Say(not_determined, signal, console);
   WriteFile(command.output, FormatMeasuredModel(method, options, signal.log));
   if (command.json)
     fmt::print("{}\n", Json{{"schema", "graticule-signal-fit/1"},

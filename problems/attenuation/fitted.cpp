@@ -49,13 +49,36 @@ double WeightOf(const NoiseView& noise, std::size_t component) {
   return 1 / (sigma * sigma);
 }
 
+// The graph's first values become what was learnt online: a graph that is not linear is then
+// nearly solved.
+void StartAt(const Tomography& online, const TomographyLayout& layout, double cell_m,
+             Graph* graph) {
+  Values values = graph->InitialValues();
+  std::vector<double>& data = values.MutableData();
+  const auto at = [&](const Key& key) -> double& { return data[graph->Offset(graph->IdOf(key))]; };
+  double* const path_loss = &at(Key("path_loss", 0));
+  path_loss[0] = online.L0Dbm();
+  path_loss[1] = online.SlopeDb();
+  const bool has_ends = layout.bias == RadioBias::kEnds;
+  for (std::uint32_t r = 0; layout.bias != RadioBias::kNone && r < layout.radios; ++r) {
+    at(Key(has_ends ? "listener" : "bias", r)) = online.ReceiverBiasDb(r);
+    if (has_ends) at(Key("sender", r)) = online.TransmitterBiasDb(r);
+  }
+  for (std::size_t i = 0; i < layout.cells.size(); ++i) {
+    const AttenuationCell& cell = layout.cells[i];
+    at(layout.cell_keys[i]) =
+        online.AttenuationAt(cell.material, (cell.x + 0.5) * cell_m, (cell.y + 0.5) * cell_m);
+  }
+  graph->SetValues(values);
+}
+
 }  // namespace
 
 FittedGraph BuildFitted(const SignalLog& log, std::shared_ptr<const OccupancyGrid> map,
                         const TomographyOptions& options) {
   TomographyOptions fitted = options;
+  Tomography online(options);
   if (!log.measurements.empty()) {
-    Tomography online(options);
     if (map) online.SetMap(map);
     online.AddMeasurements(log.measurements);
     online.Update(log.measurements.back().link.time_s);
@@ -67,7 +90,8 @@ FittedGraph BuildFitted(const SignalLog& log, std::shared_ptr<const OccupancyGri
     for (AttenuationClass& c : fitted.classes) c.phi *= ratio;
   }
   TomographyGraph built = BuildTomography(log.measurements, ClassesOf(map.get(), fitted), fitted);
-  return {std::move(built.graph), {fitted, std::move(built.layout)}};
+  StartAt(online, built.layout, options.cell_m, &built.graph);
+  return {std::move(built.graph), {fitted, std::move(built.layout)}, online.NotDetermined()};
 }
 
 FittedTomography::FittedTomography(const Graph& solved, FittedModel model)
@@ -137,9 +161,7 @@ void FittedTomography::TakeFactors(const Graph& graph) {
       double weight = WeightOf(factor.noise, 0);
       if (!is_heard) {
         const double sigma = factor.measurement[1];
-        double predicted = 0;
-        for (const auto& [unknown, value] : row) predicted += value * values_[unknown];
-        weight *= TailAt((factor.measurement[0] - predicted) / sigma).curvature / (sigma * sigma);
+        weight *= TailAt((factor.measurement[0] - Dot(row)) / sigma).curvature / (sigma * sigma);
       }
       AddTo(row, weight, &solved_triplets_);
     } else if (type == "attenuation_smooth/1") {
@@ -218,11 +240,55 @@ FittedTomography::Traced FittedTomography::Trace(const SignalLink& link, RayTrac
   return traced;
 }
 
-Eigen::VectorXd FittedTomography::Dense(const Row& row) const {
-  Eigen::VectorXd dense = Eigen::VectorXd::Zero(values_.size());
-  for (const auto& [unknown, value] : row) dense[unknown] += value;
-  return dense;
+double FittedTomography::Dot(const Row& row) const {
+  double sum = 0;
+  for (const auto& [unknown, value] : row) sum += value * values_[unknown];
+  return sum;
 }
+
+/// Variances of rows by half a solve each: of L^-1 P row only what is not zero, which is on the way
+/// from the row's unknowns to the root of the elimination tree.
+struct FittedTomography::HalfSolve {
+  explicit HalfSolve(const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>& ldlt)
+      : factor(ldlt),
+        lower(ldlt.matrixL().nestedExpression()),
+        pivots(ldlt.vectorD()),
+        values(static_cast<std::size_t>(lower.cols()), 0.0),
+        is_reached(values.size(), false) {}
+
+  double VarianceOf(const Row& row) {
+    reached.clear();
+    for (const auto& [unknown, value] : row) {
+      int at = factor.permutationP().indices()[unknown];
+      values[static_cast<std::size_t>(at)] += value;
+      while (!is_reached[static_cast<std::size_t>(at)]) {
+        is_reached[static_cast<std::size_t>(at)] = true;
+        reached.push_back(at);
+        // The parent is the first row below the diagonal, which is not stored.
+        const int begin = lower.outerIndexPtr()[at];
+        if (begin == lower.outerIndexPtr()[at + 1]) break;
+        at = lower.innerIndexPtr()[begin];
+      }
+    }
+    std::sort(reached.begin(), reached.end());
+    double variance = 0;
+    for (const int column : reached) {
+      const double value = std::exchange(values[static_cast<std::size_t>(column)], 0);
+      is_reached[static_cast<std::size_t>(column)] = false;
+      variance += value * value / pivots[column];
+      for (int k = lower.outerIndexPtr()[column]; k < lower.outerIndexPtr()[column + 1]; ++k)
+        values[static_cast<std::size_t>(lower.innerIndexPtr()[k])] -= lower.valuePtr()[k] * value;
+    }
+    return variance;
+  }
+
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>& factor;
+  const Eigen::SparseMatrix<double>& lower;
+  Eigen::VectorXd pivots;
+  std::vector<double> values;    // 0 between calls
+  std::vector<char> is_reached;  // the same
+  std::vector<int> reached;
+};
 
 void FittedTomography::AddMeasurements(Span<const SignalMeasurement> measurements) {
   rows_.Add(measurements);
@@ -251,15 +317,14 @@ void FittedTomography::Update(double) {
       const SignalRow& row = rows_.At(i);
       const Traced& traced = later[i];
       const double noise = SigmaDb() * SigmaDb() + traced.variance_db2;
-      const Eigen::VectorXd dense = Dense(traced.row);
-      const double off = row.dbm - traced.offset_dbm - dense.dot(values_);
+      const double off = row.dbm - traced.offset_dbm - Dot(traced.row);
       double weight = row.count / (1 + (row.count - 1) * correlation) / noise, slope = weight * off;
       if (!row.is_heard) {
         const Tail tail = TailAt(off / std::sqrt(noise));
         slope = -weight * std::sqrt(noise) * tail.hazard;
         weight *= tail.curvature;
       }
-      pull += slope * dense;
+      for (const auto& [unknown, value] : traced.row) pull[unknown] += slope * value;
       AddTo(traced.row, weight, &triplets);
     }
     Factorise(triplets);
@@ -272,12 +337,12 @@ void FittedTomography::Update(double) {
 void FittedTomography::Predict(Span<const SignalLink> links,
                                Span<SignalPrediction> predictions) const {
   RayTracer tracer = rows_.Tracer();
+  HalfSolve posterior(factor_);
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Traced traced = Trace(links[i], &tracer);
-    const Eigen::VectorXd row = Dense(traced.row);
-    predictions[i].dbm = row.dot(values_) + traced.offset_dbm;
+    predictions[i].dbm = Dot(traced.row) + traced.offset_dbm;
     predictions[i].sigma_db =
-        std::sqrt(SigmaDb() * SigmaDb() + traced.variance_db2 + row.dot(factor_.solve(row)));
+        std::sqrt(SigmaDb() * SigmaDb() + traced.variance_db2 + posterior.VarianceOf(traced.row));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "graticule/problems/attenuation/predictor.hpp"
@@ -20,8 +21,9 @@ struct FittedModel {
 
 /// The factor graph of a signal log (thesis, Algorithm 3.1) with what is needed to predict by it.
 struct FittedGraph {
-  Graph graph;  ///< not yet solved
+  Graph graph;  ///< not yet solved; its first values are Tomography's
   FittedModel model;
+  std::vector<std::string> not_determined;  ///< as Tomography says it
 };
 
 /// Fits noise and correlation to a log as Tomography does, and writes its rows down as a graph with
@@ -63,7 +65,8 @@ class FittedTomography : public SignalPredictor {
   Traced TraceEnds(std::uint32_t receiver, std::uint32_t transmitter, double log_distance) const;
   void TraceCell(const AttenuationCell& cell, double length_m, Traced* traced) const;
   Traced Trace(const SignalLink& link, RayTracer* tracer) const;
-  Eigen::VectorXd Dense(const Row& row) const;
+  double Dot(const Row& row) const;  // with values_
+  struct HalfSolve;
   void Factorise(const std::vector<Eigen::Triplet<double>>& triplets);
 
   FittedModel model_;

@@ -98,6 +98,26 @@ TEST(Connect, CountsWaysToReachAll) {
   EXPECT_EQ(team.backbone, (std::vector<std::size_t>{0, 2}));
 }
 
+/// Says as strength what time it is asked for.
+class Clock : public Known {
+ public:
+  void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const override {
+    for (std::size_t i = 0; i < links.size(); ++i) predictions[i] = {-links[i].time_s, 4};
+  }
+};
+
+TEST(Connect, AsksForNow) {
+  const TeamConnectivity team = Connect(Clock(), {0, 1}, {{0, 0, 0}, {20, 0, 0}}, -80, 60);
+  EXPECT_EQ(team.links.at(0).prediction.dbm, -60);
+}
+
+TEST(FittedTomography, StartsWhereTomographyEnded) {
+  FittedGraph built = BuildFitted(House().log, House().map, TomographyOptions::Matte());
+  const Solution solution = Solve(built.graph);
+  // What conjugate gradients leave is little against the noise.
+  EXPECT_LT(solution.report.initial_cost, 1.01 * solution.report.final_cost);
+}
+
 TEST(FittedTomography, LearnsFromWhatIsNotHeardLater) {
   const auto fitted = Fit(TomographyOptions::Matte());
   const SignalLink link = House().log.measurements.back().link;
