@@ -96,6 +96,7 @@ void PredictEverywhere(const SignalPredictCommand& command, const SignalModel& m
   HeatField strength = FieldOver(extent, step), sigma = FieldOver(extent, step);
   const Eigen::Vector3d from = PlaceOf(command.from);
   SignalLink link;
+  link.time_s = model.now_s;
   link.transmitter = RadioOf("--radio", model, command.radio);
   link.receiver = RadioOf("--to", model, command.to);
   if (link.receiver == link.transmitter) ++link.receiver;
@@ -151,6 +152,7 @@ void PredictPairs(const SignalPredictCommand& command, const SignalModel& model,
   std::vector<SignalLink> links;
   for (const SignalMeasurement& measurement : log.measurements) {
     SignalLink link = measurement.link;
+    if (!log.has_time) link.time_s = model.now_s;
     // Names become the model's numbers; nameless ends are of no known bias.
     const auto number = [&](std::uint32_t radio) {
       return std::min<std::uint32_t>(model.RadioOf(log.radios[radio]),
@@ -169,7 +171,7 @@ void PredictPairs(const SignalPredictCommand& command, const SignalModel& model,
   std::string text = "time,receiver,transmitter,dbm,sigma_db\n";
   for (std::size_t i = 0; i < links.size(); ++i) {
     const SignalLink& asked = log.measurements[i].link;
-    AppendNumber(&text, asked.time_s);
+    AppendNumber(&text, links[i].time_s);
     text += "," + log.radios[asked.receiver] + "," + log.radios[asked.transmitter] +
             fmt::format(",{:.3f},{:.3f}\n", predictions[i].dbm, predictions[i].sigma_db);
   }

@@ -73,7 +73,7 @@ int Run(const SignalConnectCommand& command, const Console&) {
   const SignalModel model = LoadSignalModel(command.model, command.map);
   const Team team = LoadTeam(command.positions, model);
   const TeamConnectivity found = About(command.positions, [&] {
-    return Connect(*model.predictor, team.radios, team.at_m, command.usable_dbm);
+    return Connect(*model.predictor, team.radios, team.at_m, command.usable_dbm, model.now_s);
   });
   Json json = {{"schema", "graticule-signal-connectivity/1"},
                {"usable_dbm", command.usable_dbm},

@@ -179,8 +179,9 @@ void BindPlanning(py::module_& m) {
               "Probability that links which are up join the whole team.")
       .Result("backbone", &TeamConnectivity::backbone,
               "(n,) the links without which nobody is left out, the likeliest.");
-  m.def("connect", &Connect, "predictor"_a, "radios"_a, "at_m"_a, "usable_dbm"_a,
-        "The team's connectivity graph: radios: (n,) numbers; at_m: n places (3,) [m].");
+  m.def("connect", &Connect, "predictor"_a, "radios"_a, "at_m"_a, "usable_dbm"_a, "now_s"_a,
+        "The team's connectivity graph: radios: (n,) numbers; at_m: n places (3,) [m]; now_s: the "
+        "time asked for, not before what was learnt.");
   Record<WorthwhilePlace>(m, "WorthwhilePlace", "A place to measure from.")
       .Result("at_m", &WorthwhilePlace::at_m, "(3,) in the map's frame [m].")
       .Result("gain_nats", &WorthwhilePlace::gain_nats,

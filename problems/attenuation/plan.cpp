@@ -67,7 +67,8 @@ double ProbabilityThatAllReachAll(const std::vector<TeamLink>& links,
 }  // namespace
 
 TeamConnectivity Connect(const SignalPredictor& predictor, const std::vector<std::uint32_t>& radios,
-                         const std::vector<Eigen::Vector3d>& at_m, double usable_dbm) {
+                         const std::vector<Eigen::Vector3d>& at_m, double usable_dbm,
+                         double now_s) {
   TeamConnectivity team;
   std::vector<std::pair<std::size_t, std::size_t>> ends;
   std::vector<SignalLink> links;
@@ -76,6 +77,7 @@ TeamConnectivity Connect(const SignalPredictor& predictor, const std::vector<std
       ends.emplace_back(a, b);
       for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
         SignalLink link;
+        link.time_s = now_s;
         link.transmitter = radios[from];
         link.receiver = radios[to];
         link.transmitter_m = at_m[from];

@@ -24,9 +24,10 @@ struct TeamConnectivity {
   std::vector<std::size_t> backbone;
 };
 
-/// The team's connectivity graph at these places.  `radios` are the predictor's numbers.
+/// The team's connectivity graph at these places.  `radios` are the predictor's numbers; `now_s` is
+/// the time that is asked for, not before what `predictor` has learnt.
 TeamConnectivity Connect(const SignalPredictor& predictor, const std::vector<std::uint32_t>& radios,
-                         const std::vector<Eigen::Vector3d>& at_m, double usable_dbm);
+                         const std::vector<Eigen::Vector3d>& at_m, double usable_dbm, double now_s);
 
 /// A place to measure from, and what that tells about the model.
 struct WorthwhilePlace {

@@ -34,7 +34,8 @@ receivers = np.array([[2.0, 2.0], [4.0, 3.0]])
 dbm, sigma_db = predictor.predict_links(receivers, np.array([[6.0, 5.0], [6.0, 5.0]]))
 print("predicted", np.round(dbm, 1), "+-", np.round(sigma_db, 1))
 team = attenuation.connect(
-    predictor, [0, 1, 2], [np.array([2.0, 2, 0]), np.array([5.0, 3, 0]), np.array([8.0, 6, 0])], -75
+    predictor, [0, 1, 2], [np.array([2.0, 2, 0]), np.array([5.0, 3, 0]), np.array([8.0, 6, 0])], -75,
+    log.times_s[-1],
 )
 print(f"the team is connected with probability {team.connected:.2f}")
 

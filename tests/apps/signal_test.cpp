@@ -104,6 +104,35 @@ TEST_F(SignalCommandTest, KeepsWhatWasMeasuredWhereTheMethodIsNoGraph) {
       << broken.err;
 }
 
+TEST_F(SignalCommandTest, PredictsForTheLastMeasurementsTimeWhereNoneIsGiven) {
+  ASSERT_EQ(Fit("persistence", "model.txt").exit_code, 0);
+  const std::string pair = "robot1,robot2,3,3,8,4\n";
+  const std::string without =
+      Write("without.csv", "receiver,transmitter,rx_x,rx_y,tx_x,tx_y\n" + pair);
+  const auto predict = [&](const std::string& pairs) {
+    return RunCommand({"signal", "predict", Path("model.txt"), "--pairs", pairs}).out;
+  };
+  const std::string last = predict(without);
+  const std::string time =
+      last.substr(last.find('\n') + 1, last.find(",robot1") - last.find('\n') - 1);
+  EXPECT_GT(std::stod(time), 50);
+  const std::string with =
+      Write("with.csv", "time,receiver,transmitter,rx_x,rx_y,tx_x,tx_y\n" + time + "," + pair);
+  EXPECT_EQ(last, predict(with));
+}
+
+TEST_F(SignalCommandTest, KeepsWhatWasSetWhateverTheMethodMakesOfIt) {
+  for (const auto& [method, setting] :
+       {std::pair("gp", "pair-gp.length_m=7"), std::pair("one+gp", "gp.radio_db=0")}) {
+    const Outcome fit = RunCommand({"signal", "fit", Path("house"), "--method", method, "--set",
+                                    setting, "-o", Path("model.txt")});
+    ASSERT_EQ(fit.exit_code, 0) << fit.err;
+    std::string line = setting;
+    line.replace(line.find('='), 1, " ");
+    EXPECT_NE(ReadWhole(Path("model.txt")).find("\n" + line + "\n"), std::string::npos) << line;
+  }
+}
+
 TEST_F(SignalCommandTest, RefusesAModelThatSaysWhatCannotBe) {
   ASSERT_EQ(Fit("mrt", "model.fg").exit_code, 0);
   std::string text = ReadWhole(Path("model.fg"));

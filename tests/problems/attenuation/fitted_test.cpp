@@ -89,7 +89,7 @@ class Known : public SignalPredictor {
 TEST(Connect, CountsWaysToReachAll) {
   // A chain: a - b - c, whose ends are out of reach of each other.
   const std::vector<Eigen::Vector3d> at = {{0, 0, 0}, {20, 0, 0}, {40, 0, 0}};
-  const TeamConnectivity team = Connect(Known(), {0, 1, 2}, at, -80);
+  const TeamConnectivity team = Connect(Known(), {0, 1, 2}, at, -80, 0);
   ASSERT_EQ(team.links.size(), 3u);
   const double p = team.links[0].probability, q = team.links[1].probability;
   EXPECT_NEAR(p, 0.5, 1e-9);
