@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -124,10 +125,12 @@ MethodOptions OptionsOf(const Choosing& choosing) {
 }
 
 std::string MethodOf(const std::string& word) {
-  std::string name = word;
-  if (word == "best") name = kBestMethod;
-  if (word == "one") name = "one-attenuation-a-class";
-  if (word == "gp") name = "pair-gp";
+  const std::size_t plus = std::min(word.find('+'), word.size());
+  std::string name = word.substr(0, plus);
+  if (name == "best") name = kBestMethod;
+  if (name == "one") name = "one-attenuation-a-class";
+  if (name == "gp") name = "pair-gp";
+  name += word.substr(plus);
   MakePredictor(name);
   return name;
 }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "graticule/factors/builtins.hpp"
@@ -128,6 +129,14 @@ double NoiseOf(const std::string& method, const MethodOptions& options,
     return process->Options().sigma_d_db;
   if (const auto* residual = dynamic_cast<const ResidualGp*>(&predictor))
     return residual->Options().noise_db;
+  if (const auto* combination = dynamic_cast<const Combination*>(&predictor)) {
+    double variance = 0;
+    for (std::size_t k = 0; k < combination->Now().size(); ++k) {
+      const double noise = NoiseOf(method, options, *combination->Now()[k]);
+      variance += combination->NearWeights()[static_cast<Eigen::Index>(k)] * noise * noise;
+    }
+    return combination->NearScale() * std::sqrt(variance);
+  }
   return method == "persistence" ? options.residual_gp.noise_db : TomographyOptions().sigma_db;
 }
 
@@ -248,9 +257,13 @@ std::string ModelLine(const FittedModel& model, const std::vector<std::string>& 
 std::string FormatMeasuredModel(const std::string& method, const MethodOptions& options,
                                 const SignalLog& log) {
   std::string text = std::string(kMeasured) + "\nmethod " + method + "\n";
-  for (const SignalSetting* setting : SettingsOf(method)) {
-    text += setting->name + " ";
-    AppendNumber(&text, setting->get(options));
+  const std::vector<const SignalSetting*> of_method = SettingsOf(method, options);
+  for (const SignalSetting& setting : SignalSettings()) {
+    const bool is_of_method =
+        std::find(of_method.begin(), of_method.end(), &setting) != of_method.end();
+    if (!is_of_method && setting.get(options) == setting.get(MethodOptions())) continue;
+    text += setting.name + " ";
+    AppendNumber(&text, setting.get(options));
     text += "\n";
   }
   return text + "log\n" + FormatSignalLog(log);

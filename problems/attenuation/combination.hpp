@@ -48,6 +48,8 @@ class Combination : public SignalPredictor {
   void Predict(Span<const SignalLink> links, Span<SignalPrediction> predictions) const override;
   std::string Name() const override { return options_.name; }
 
+  /// As they are now.
+  const Members& Now() const { return members_; }
   /// Of the members in their order, for what comes next and for far_s ahead; sums are 1.
   const Eigen::VectorXd& NearWeights() const { return near_.weights; }
   const Eigen::VectorXd& FarWeights() const { return far_.weights; }

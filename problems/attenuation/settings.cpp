@@ -70,6 +70,7 @@ void AddProcess(const std::string& owner, GaussianProcessOptions MethodOptions::
                 std::vector<SignalSetting>* all) {
   Settings settings(owner, all);
   const Matters is_given = [of](const MethodOptions& o) { return !(o.*of).learn; };
+  const std::size_t first = all->size();
   settings.Add(
       "length_m", "m, over which strengths are alike", 0.05, 200,
       [of](MethodOptions& o) -> double& { return (o.*of).place.length_m; }, is_given);
@@ -79,6 +80,12 @@ void AddProcess(const std::string& owner, GaussianProcessOptions MethodOptions::
   settings.Add(
       "sigma_d_db", "dB, deviation of one measurement", 0.1, 50,
       [of](MethodOptions& o) -> double& { return (o.*of).sigma_d_db; }, is_given);
+  // What is set by hand is not learnt.
+  for (std::size_t i = first; i < all->size(); ++i)
+    (*all)[i].set = [of, set = (*all)[i].set](MethodOptions* options, double value) {
+      set(options, value);
+      (options->*of).learn = false;
+    };
 }
 
 void AddResidual(const std::string& owner, ResidualGpOptions MethodOptions::*of,

@@ -189,6 +189,15 @@ TEST_F(SignalCommandTest, EvaluatesAndTunes) {
             0);
 }
 
+TEST_F(SignalCommandTest, RanksPlacesByTheCombinationsOwnNoise) {
+  ASSERT_EQ(Fit("best", "best.txt").exit_code, 0);
+  const std::string team = Write("team.csv", "id,x,y\nrobot1,3,3\nrobot2,8,4\nrobot3,12,9\n");
+  const Outcome where = RunCommand({"signal", "where", Path("best.txt"), team, "--robot", "robot2",
+                                    "--map", Map(), "--reach", "20", "--places", "2", "--json"});
+  ASSERT_EQ(where.exit_code, 0) << where.err;
+  for (const Json& place : JsonOf(where)["places"]) EXPECT_GT(place["gain_nats"], 0.0);
+}
+
 TEST_F(SignalCommandTest, PlansForTheTeam) {
   ASSERT_EQ(Fit("matte", "model.fg").exit_code, 0);
   const std::string team = Write("team.csv", "id,x,y\nrobot1,3,3\nrobot2,8,4\nrobot3,12,9\n");

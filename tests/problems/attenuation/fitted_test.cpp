@@ -204,6 +204,14 @@ TEST(SignalSettings, AreFoundByNameAndKeepWhatWasSet) {
   EXPECT_THROW(SetSignalOption(&options, "matte.lamda", 1), Error);
 }
 
+TEST(SignalSettings, OfAProcessAreNotLearntWhereOneIsGiven) {
+  MethodOptions options;
+  EXPECT_TRUE(SettingsOf("pair-gp", options).empty());
+  SetSignalOption(&options, "pair-gp.length_m", 7);
+  EXPECT_FALSE(options.pair_gp.learn);
+  EXPECT_EQ(SettingsOf("pair-gp", options).size(), 3u);
+}
+
 TEST(SignalSettings, OfAMethodAreThoseThatItDependsOn) {
   EXPECT_EQ(SettingsOf("log-fit").size(), 0u);
   EXPECT_EQ(SettingsOf("matte").size(), 9u);  // cells, lambda, biases; rho and phi of three classes
