@@ -166,9 +166,8 @@ TomographyGraph BuildTomography(Span<const SignalMeasurement> measurements,
 SolveOptions TomographySolving() {
   SolveOptions options;
   options.gradient_tolerance = 1e-8;
-  // Of costs of hundreds: 1e-4 of a posterior deviation.  Packets not heard make the last digits
-  // slow to come.
-  options.function_tolerance = 1e-10;
+  // Packets not heard make the last digits slow to come, and they mean nothing.
+  options.function_tolerance = 1e-14;
   return options;
 }
 
