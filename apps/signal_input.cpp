@@ -75,7 +75,9 @@ std::vector<LoadedSignal> LoadSignals(const SignalInput& input) {
     if (equals == std::string::npos || equals == 0)
       throw Error("--trajectory " + Quoted(word) + ": expected RADIO=FILE", ErrorKind::kUsage);
     const std::string file = word.substr(equals + 1);
-    options.trajectories[word.substr(0, equals)] = ParseTum(ReadFile(file), file);
+    std::vector<StampedPose>& poses = options.trajectories[word.substr(0, equals)];
+    poses = ParseTum(ReadFile(file), file);
+    ExpectInOrder(poses, file);
   }
   std::vector<LoadedSignal> signals;
   std::map<std::string, std::shared_ptr<const OccupancyGrid>> maps;

@@ -119,8 +119,9 @@ CameraFormat CameraFormatFromWord(std::string_view word) {
 }
 
 CameraFormat CameraFormatOf(const std::string& path) {
-  return std::filesystem::path(path).extension() == ".cameramodel" ? CameraFormat::kMrcal
-                                                                   : CameraFormat::kGraticule;
+  return std::filesystem::path(WithoutGz(path)).extension() == ".cameramodel"
+             ? CameraFormat::kMrcal
+             : CameraFormat::kGraticule;
 }
 
 CameraRig ParseCameras(std::string_view text, const std::string& name) {

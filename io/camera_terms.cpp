@@ -146,11 +146,11 @@ std::vector<double> ReadMatrix(const DocumentNode& node) {
     values = data.Numbers();
   } else if (data.kind == DocumentNode::Kind::kScalar) {  // XML
     const std::string& text = data.text;
+    DocumentNode word = data;  // has the place that errors name
     for (std::size_t at = 0;;) {
       at = text.find_first_not_of(" \t\r\n", at);
       if (at == std::string::npos) break;
       const std::size_t end = std::min(text.find_first_of(" \t\r\n", at), text.size());
-      DocumentNode word = data;
       word.text = text.substr(at, end - at);
       values.push_back(word.Number());
       at = end;

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "graticule/io/comma_separated.hpp"
 #include "graticule/io/detections.hpp"
 #include "graticule/io/detections_check.hpp"
 #include "graticule/io/text.hpp"
@@ -14,13 +15,6 @@ namespace {
 
 constexpr int kMostOnBoard = 1 << 16;  // corners
 constexpr double kCentimetre = 0.01;   // the unit of .dsc and .tp
-
-// Commas become blanks, so that places stay where they are.
-std::string WithoutCommas(std::string text) {
-  for (char& c : text)
-    if (c == ',') c = ' ';
-  return text;
-}
 
 int Bounded(TextReader* reader, const char* what, int least, int most) {
   const std::uint64_t number = reader->Integer(what);
@@ -45,7 +39,7 @@ using BoardPoses = std::map<int, std::array<double, 12>>;
 BoardPoses ReadBoardPoses(const NamedText& file) {
   BoardPoses poses;
   if (file.name.empty()) return poses;
-  const std::string text = WithoutCommas(file.text);
+  const std::string text = CommasAsBlanks(file.text, file.name);
   TextReader reader(text, file.name);
   while (reader.NextWord()) {
     const int board = Bounded(&reader, "the board's number", 0, 1 << 14);
@@ -62,7 +56,7 @@ BoardPoses ReadBoardPoses(const NamedText& file) {
 // "0,23,23,7.5" (board, squares across and down, their size in mm), then the family of its tags,
 // then the corners "tag,column,row,x,y,z" [cm] in the order of their numbers.
 BoardPlaces ReadBoards(const NamedText& file, const BoardPoses& poses) {
-  const std::string text = WithoutCommas(file.text);
+  const std::string text = CommasAsBlanks(file.text, file.name);
   TextReader reader(text, file.name);
   RefuseCutEnd(text, reader);
   BoardPlaces places;
@@ -99,7 +93,7 @@ BoardPlaces ReadBoards(const NamedText& file, const BoardPoses& poses) {
 }
 
 TargetView ReadOrpc(const NamedText& file, const BoardPlaces& boards, ImageSize* camera) {
-  const std::string text = WithoutCommas(file.text);
+  const std::string text = CommasAsBlanks(file.text, file.name);
   TextReader reader(text, file.name);
   RefuseCutEnd(text, reader);
   TargetView view;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "graticule/io/comma_separated.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/text.hpp"
 
@@ -21,13 +22,6 @@ double Bounded(TextReader* reader, const char* what) {
   return value;
 }
 
-// Commas become blanks, so that places stay where they are.
-std::string WithoutCommas(std::string_view original) {
-  std::string text(original);
-  std::replace(text.begin(), text.end(), ',', ' ');
-  return text;
-}
-
 void RefuseCutEnd(const std::string& text, const TextReader& reader) {
   if (text.back() != '\n')
     reader.FailAt(text.size(), "expected the end of the line: the file may be cut short");
@@ -37,7 +31,7 @@ void RefuseCutEnd(const std::string& text, const TextReader& reader) {
 
 std::vector<Correspondence> ParseCorrespondences(std::string_view original,
                                                  const std::string& name) {
-  const std::string text = WithoutCommas(original);
+  const std::string text = CommasAsBlanks(original, name);
   TextReader reader(text, name);
   if (text.empty()) reader.FailAt(0, "the file is empty");
   std::vector<Correspondence> points;
@@ -86,7 +80,7 @@ std::string FormatCorrespondences(const std::vector<Correspondence>& points) {
 }
 
 std::vector<MeasuredPlane> ParsePlanes(std::string_view original, const std::string& name) {
-  const std::string text = WithoutCommas(original);
+  const std::string text = CommasAsBlanks(original, name);
   TextReader reader(text, name);
   if (text.empty()) reader.FailAt(0, "the file is empty");
   std::vector<MeasuredPlane> planes;

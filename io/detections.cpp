@@ -114,7 +114,8 @@ std::string Beside(const std::string& path, std::string_view ending) {
     std::vector<std::string> found;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(where, ignored))
-      if (HasEnding(entry.path().string(), ending)) found.push_back(entry.path().string());
+      if (HasEnding(WithoutGz(entry.path().string()), ending))
+        found.push_back(entry.path().string());
     if (found.size() > 1)
       throw Error(path + ": there are " + std::to_string(found.size()) + " *" +
                   std::string(ending) + " in " + where.string() + "; name one");
@@ -238,18 +239,19 @@ Detections ReadDetections(const std::vector<std::string>& paths,
   std::vector<std::string> names, babelcalib;
   std::string board, places;
   for (const std::string& path : paths) {
-    if (HasEnding(path, ".orpc")) {
+    const std::string_view unpacked = WithoutGz(path);
+    if (HasEnding(unpacked, ".orpc")) {
       babelcalib.push_back(path);
       continue;
     }
-    if (HasEnding(path, ".dsc") || HasEnding(path, ".tp")) {
-      std::string& known = HasEnding(path, ".dsc") ? board : places;
+    if (HasEnding(unpacked, ".dsc") || HasEnding(unpacked, ".tp")) {
+      std::string& known = HasEnding(unpacked, ".dsc") ? board : places;
       if (!known.empty()) throw Error(path + ": there is " + known + " already");
       known = path;
       continue;
     }
     const std::string text = ReadFile(path);
-    parts.push_back(HasEnding(path, ".vnl") || HasEnding(path, ".vnl.gz")
+    parts.push_back(HasEnding(unpacked, ".vnl")
                         ? ParseCornerList(text, path, StemOf(path), corner_list)
                         : ParseDetections(text, path));
     if (parts.back().cameras.size() == 1 && parts.back().cameras[0].camera.empty())

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 
 #include "graticule/solver/error.hpp"
 
@@ -85,13 +85,15 @@ void WriteDirectly(const std::string& path, std::string_view contents) {
   if (!file.Close()) Fail(path, errno, ErrorKind::kOther);
 }
 
-// A symbolic link stays one: what it points to is replaced.
+constexpr int kMostLinks = 40;  // from one to the next, as Linux has it
+
+// A symbolic link stays one: what it points to is replaced, or made.
 std::string Target(const std::string& path) {
-  char* resolved = ::realpath(path.c_str(), nullptr);
-  if (!resolved) return path;
-  std::string target = resolved;
-  std::free(resolved);
-  return target;
+  std::error_code error;
+  std::filesystem::path place = path;
+  for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(place, error); ++links)
+    place = place.parent_path() / std::filesystem::read_symlink(place, error);
+  return place.string();
 }
 
 int OpenTemporary(const std::string& target, std::string* temporary) {
@@ -140,7 +142,7 @@ void WriteFile(const std::string& path, std::string_view contents) {
     return WriteDirectly(path, contents);
   if (exists && ::access(path.c_str(), W_OK) != 0) Fail(path, errno, ErrorKind::kOther);
 
-  const std::string target = exists ? Target(path) : path;
+  const std::string target = Target(path);
   std::string temporary;
   File file(OpenTemporary(target, &temporary));
   if (file.Get() < 0) Fail(path, errno, ErrorKind::kOther);

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graticule/io/comma_separated.hpp"
 #include "graticule/io/text.hpp"
 
 namespace graticule {
 
 std::vector<GnssFix> ParseGnss(std::string_view text, const std::string& name) {
-  // Commas as blanks: places in the copy are places in the file.
-  std::string blanks(text);
-  std::replace(blanks.begin(), blanks.end(), ',', ' ');
+  const std::string blanks = CommasAsBlanks(text, name);
   TextReader reader(blanks, name);
   std::vector<GnssFix> fixes;
   std::size_t line = 1, counted = 0;

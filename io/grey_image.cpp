@@ -99,6 +99,10 @@ GreyImage ParsePng(std::string_view contents, const std::string& name) {
   image.width = reader.png.width;
   image.height = reader.png.height;
   const std::size_t size = CheckedSize(image.width, image.height, name);
+  // Deflate packs 1032 bytes into one at best, and a pixel has a bit or more.
+  if (size / 8 / 1032 > contents.size())
+    Refuse(name, "the PNG picture is cut short: its header promises " + std::to_string(size) +
+                     " pixels in " + std::to_string(contents.size()) + " bytes");
   // As it stands in the file, without gamma: colours are labels here.
   reader.png.format = PNG_FORMAT_RGBA;
   std::vector<std::uint8_t> pixels(4 * size);

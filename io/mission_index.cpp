@@ -115,11 +115,12 @@ class Reader {
     Next("a robot");
     MissionIndex::Robot robot;
     robot.line = line_;
-    robot.name = reader_.Word("the robot's name");
-    for (const MissionIndex::Robot& other : index_.robots)
-      if (other.name == robot.name) reader_.FailExpected("each robot once", nullptr);
-    robot.family = reader_.Word("the family of its keys");
+    robot.name = reader_.Word("the robot's name");  // of files, too
     Key key("pose", 0);
+    if (!Key::Parse(robot.name + ":0", &key))
+      reader_.FailExpected("a robot's name", "letters, digits, _ . -");
+    if (!names_.insert(robot.name).second) reader_.FailExpected("each robot once", nullptr);
+    robot.family = reader_.Word("the family of its keys");
     if (!Key::Parse(robot.family + ":0", &key))
       reader_.FailExpected("a family of keys", "letters, digits, _ . -");
     robot.scans = ReadFileName("the file of its scans");
@@ -177,6 +178,7 @@ class Reader {
   TextReader reader_;
   MissionIndex index_;
   std::unordered_set<Key, KeyHash> keys_;
+  std::unordered_set<std::string> names_;
   std::size_t line_ = 1, counted_ = 0;
 };
 

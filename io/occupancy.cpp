@@ -2,10 +2,9 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <cmath>
 #include <filesystem>
-#include <optional>
 
+#include "graticule/io/document.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/grey_image.hpp"
 #include "graticule/io/text.hpp"
@@ -30,67 +29,27 @@ GreyImage Shades(const OccupancyGrid& grid) {
   return image;
 }
 
-// What a map_server file says, with its places.
-class MapFile {
- public:
-  explicit MapFile(const std::string& path) : path_(path) {
-    try {
-      root_ = YAML::Load(ReadFile(path));
-    } catch (const YAML::Exception& error) {
-      Refuse(error.mark, "not YAML: " + Printable(error.msg));
-    }
-    if (!root_.IsMap()) Refuse(root_.Mark(), "expected a mapping: image, resolution, origin, ...");
-  }
+double NumberOr(const DocumentNode& root, const char* name, double otherwise) {
+  const DocumentNode* node = root.Find(name);
+  return node ? node->Number() : otherwise;
+}
 
-  std::string Text(const char* name) const {
-    const YAML::Node node = root_[name];
-    if (!node) Refuse(root_.Mark(), std::string("expected '") + name + "'");
-    if (!node.IsScalar() || node.Scalar().empty())
-      Refuse(node.Mark(), std::string("expected a value of '") + name + "'");
-    return node.Scalar();
-  }
-  double Number(const YAML::Node& node, const std::string& what) const {
-    double value = 0;
-    if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value))
-      Refuse(node.Mark(), "expected a finite number (" + what + ")");
-    return value;
-  }
-  double Number(const char* name, std::optional<double> otherwise = std::nullopt) const {
-    const YAML::Node node = root_[name];
-    if (!node && otherwise) return *otherwise;
-    if (!node) Refuse(root_.Mark(), std::string("expected '") + name + "'");
-    return Number(node, name);
-  }
-  PlanarPose Origin() const {
-    const YAML::Node node = root_["origin"];
-    if (!node) Refuse(root_.Mark(), "expected 'origin'");
-    if (!node.IsSequence() || (node.size() != 3 && node.size() != 2))
-      Refuse(node.Mark(), "expected the origin as [x, y, yaw]");
-    return {Number(node[0], "x of the origin"), Number(node[1], "y of the origin"),
-            node.size() == 3 ? Number(node[2], "yaw of the origin") : 0};
-  }
-  bool Flag(const char* name) const {
-    const YAML::Node node = root_[name];
-    if (!node) return false;
-    bool value = false;
-    if (YAML::convert<bool>::decode(node, value)) return value;
-    return Number(node, name) != 0;
-  }
-  std::string Mode() const { return root_["mode"] ? Text("mode") : "trinary"; }
-  [[noreturn]] void RefuseValue(const char* name, const std::string& why) const {
-    const YAML::Node node = root_[name];
-    Refuse(node ? node.Mark() : root_.Mark(), why);  // what is not there has no place
-  }
+PlanarPose OriginOf(const DocumentNode& root) {
+  const DocumentNode& node = root.Member("origin");
+  if (!node.IsList() || (node.values.size() != 3 && node.values.size() != 2))
+    node.Fail("expected the origin as [x, y, yaw]");
+  const std::vector<double> origin = node.Numbers();
+  return {origin[0], origin[1], origin.size() == 3 ? origin[2] : 0};
+}
 
- private:
-  [[noreturn]] void Refuse(const YAML::Mark& mark, const std::string& why) const {
-    throw Error(path_ + ":" + std::to_string(std::max(mark.line, 0) + 1) + ":" +
-                std::to_string(std::max(mark.column, 0) + 1) + ": " + why);
-  }
-
-  const std::string& path_;
-  YAML::Node root_;
-};
+// 0 or 1; also a word for it, as YAML has it.
+bool IsNegated(const DocumentNode& root) {
+  const DocumentNode* node = root.Find("negate");
+  if (!node) return false;
+  bool flag = false;
+  if (YAML::convert<bool>::decode(YAML::Node(node->Scalar()), flag)) return flag;
+  return node->Number() != 0;
+}
 
 }  // namespace
 
@@ -122,21 +81,26 @@ void WriteOccupancy(const OccupancyGrid& grid, const std::string& path_without_e
 }
 
 OccupancyGrid ReadOccupancy(const std::string& yaml_path) {
-  const MapFile file(yaml_path);
+  const DocumentNode root = ParseYaml(ReadFile(yaml_path), yaml_path);
+  if (!root.IsMap()) root.Fail("expected a mapping: image, resolution, origin, ...");
   OccupancyGrid grid;
-  grid.resolution = file.Number("resolution");
-  if (!(grid.resolution > 0))
-    file.RefuseValue("resolution", "expected a resolution above zero, in metres");
-  grid.map_from_grid = file.Origin();
-  const double occupied = file.Number("occupied_thresh", kOccupiedThreshold);
-  const double free = file.Number("free_thresh", kFreeThreshold);
-  if (!(free < occupied && free >= 0 && occupied <= 1))
-    file.RefuseValue("free_thresh", "expected 0 <= free_thresh < occupied_thresh <= 1");
-  const std::string mode = file.Mode();
-  if (mode != "trinary" && mode != "scale")
-    file.RefuseValue("mode", "expected the mode trinary or scale, found " + Printable(mode));
-  const bool negate = file.Flag("negate");
-  std::filesystem::path image = file.Text("image");
+  const DocumentNode& resolution = root.Member("resolution");
+  grid.resolution = resolution.Number();
+  if (!(grid.resolution > 0)) resolution.Fail("expected a resolution above zero, in metres");
+  grid.map_from_grid = OriginOf(root);
+  const double occupied = NumberOr(root, "occupied_thresh", kOccupiedThreshold);
+  const double free = NumberOr(root, "free_thresh", kFreeThreshold);
+  if (!(free < occupied && free >= 0 && occupied <= 1)) {
+    const DocumentNode* place = root.Find("free_thresh");
+    (place ? *place : root).Fail("expected 0 <= free_thresh < occupied_thresh <= 1");
+  }
+  if (const DocumentNode* mode = root.Find("mode"))
+    if (mode->Scalar() != "trinary" && mode->Scalar() != "scale")
+      mode->Fail("expected the mode trinary or scale, found " + Printable(mode->Scalar()));
+  const bool negate = IsNegated(root);
+  const DocumentNode& name = root.Member("image");
+  if (name.Scalar().empty()) name.Fail("expected a value of 'image'");
+  std::filesystem::path image = name.Scalar();
   if (image.is_relative()) image = std::filesystem::path(yaml_path).parent_path() / image;
   const GreyImage shades = ParseGreyImage(ReadFile(image.string()), image.string());
   grid.width = shades.width;

@@ -27,6 +27,8 @@ class LogReader {
  public:
   LogReader(std::string_view text, const std::string& name, const SignalLogOptions& options)
       : table_(text, name), options_(options) {
+    for (const auto& [radio, poses] : options.trajectories)
+      ExpectInOrder(poses, "the trajectory of " + Quoted(radio));
     time_ = table_.Find({"time", "time_s", "t", "ts", "stamp", "timestamp"});
     log_.has_time = time_ != kNone;
   }

@@ -38,7 +38,8 @@ struct SignalLog {
 /// Where radios stand whose positions are not in the log itself.
 struct SignalLogOptions {
   std::map<std::string, Eigen::Vector3d> anchors;  ///< map_from_radio [m]
-  /// map_from_radio over time; positions between two poses are interpolated along a line.
+  /// map_from_radio over time; in the order of stamps; positions between two
+  /// poses are interpolated along a line.
   std::map<std::string, std::vector<StampedPose>> trajectories;
   std::string mobile = "mobile";  ///< the radio that the wide form's x, y belong to
   bool sort = false;              ///< put lines in the order of time instead of refusing them

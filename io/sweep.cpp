@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graticule/io/comma_separated.hpp"
 #include "graticule/io/text.hpp"
 
 namespace graticule {
@@ -49,8 +50,7 @@ void ReadMount(TextReader* reader, Sweep* sweep) {
 }  // namespace
 
 Sweep ParseSweep(std::string_view original, const std::string& name) {
-  std::string text(original);
-  std::replace(text.begin(), text.end(), ',', ' ');  // places stay where they are
+  const std::string text = CommasAsBlanks(original, name);
   TextReader reader(text, name);
   if (text.empty()) reader.FailAt(0, "the file is empty");
   Sweep sweep;

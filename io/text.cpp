@@ -92,9 +92,21 @@ bool TextReader::Underflows(double* value) {
   const std::string_view word = WordAt(word_);
   const std::size_t exponent = word.find_first_of("eE");
   const std::string_view mantissa = word.substr(0, exponent);
-  const bool small = exponent == std::string_view::npos
-                         ? mantissa.find_first_of("123456789") > mantissa.find('.')
-                         : word.substr(exponent + 1, 1) == "-";
+  // Its first digit that is not zero stands for 10^magnitude.
+  const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
+  const std::size_t digit = std::min(mantissa.find_first_of("123456789"), mantissa.size());
+  double magnitude = static_cast<double>(point) - static_cast<double>(digit) - (digit < point);
+  if (exponent != std::string_view::npos) {
+    std::string_view power = word.substr(exponent + 1);
+    const bool is_negative = power.substr(0, 1) == "-";
+    if (is_negative || power.substr(0, 1) == "+") power.remove_prefix(1);
+    // Of an exponent beyond an int64 nothing but its sign counts.
+    std::int64_t size = 0;
+    const auto end = power.data() + power.size();
+    if (std::from_chars(power.data(), end, size).ec != std::errc()) size = INT64_MAX;
+    magnitude += static_cast<double>(is_negative ? -size : size);
+  }
+  const bool small = magnitude < 0;
   *value = word[0] == '-' ? -0.0 : 0.0;
   return small;
 }

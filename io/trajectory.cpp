@@ -44,6 +44,17 @@ std::vector<StampedPose> ParseTum(std::string_view text, const std::string& name
   return poses;
 }
 
+void ExpectInOrder(const std::vector<StampedPose>& poses, const std::string& name) {
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if (poses[i].stamp_s >= poses[i - 1].stamp_s) continue;
+    std::string why = name + ": expected stamps in order, found ";
+    AppendNumber(&why, poses[i].stamp_s);
+    why += " s after ";
+    AppendNumber(&why, poses[i - 1].stamp_s);
+    throw Error(why + " s");
+  }
+}
+
 std::string FormatTum(const std::vector<StampedPose>& poses) {
   std::string text;
   for (const StampedPose& pose : poses) {

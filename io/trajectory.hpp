@@ -22,6 +22,8 @@ StampedPose StampPlanar(double stamp_s, const PlanarPose& world_from_body);
 /// Reads a trajectory as the TUM benchmark has it: `stamp x y z qx qy qz qw`, `#` begins a comment.
 /// Quaternions are brought to unit length.  Throws Error "name:line:column: ...".
 std::vector<StampedPose> ParseTum(std::string_view text, const std::string& name);
+/// Throws Error `NAME: ...` where a stamp is before the one that it follows.
+void ExpectInOrder(const std::vector<StampedPose>& poses, const std::string& name);
 std::string FormatTum(const std::vector<StampedPose>& poses);
 
 /// The key families that have poses (se2/1 or se3/1), in order.

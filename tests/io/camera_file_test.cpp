@@ -268,6 +268,7 @@ TEST(CameraFile, ReadsOpenCvsXml) {
 TEST(CameraFile, KnowsItsFormatsByName) {
   EXPECT_EQ(CameraFormatFromWord("mrcal"), CameraFormat::kMrcal);
   EXPECT_EQ(CameraFormatOf("a/b.cameramodel"), CameraFormat::kMrcal);
+  EXPECT_EQ(CameraFormatOf("a/b.cameramodel.gz"), CameraFormat::kMrcal);
   EXPECT_EQ(CameraFormatOf("camera.yaml"), CameraFormat::kGraticule);
   ExpectError(ErrorKind::kUsage, {"there is no format 'matlab' of cameras; expected graticule"},
               [] { CameraFormatFromWord("matlab"); });

@@ -9,7 +9,7 @@ namespace graticule {
 namespace {
 
 TEST(Correspondences, ComeBackToTheBitAndAreRefusedAtTheirPlace) {
-  const std::string text = "x,y,z,u,v,name\n# by hand\n1,2,3,4.5,5,left\n-1 0.1 1e-9 7 8\n";
+  const std::string text = "x,y,z,u,v,name\n# by hand,,\n1,2,3,4.5,5,left\n-1 0.1 1e-9 7 8\n";
   const auto points = ParseCorrespondences(text, "c.csv");
   ASSERT_EQ(points.size(), 2u);
   EXPECT_EQ(points[0].name, "left");
@@ -25,6 +25,8 @@ TEST(Correspondences, ComeBackToTheBitAndAreRefusedAtTheirPlace) {
       {"1,2,3,4\n", "c.csv:1:8: expected a number (v of the pixel), found the end of the line"},
       {"1,2,nan,4,5\n", "c.csv:1:5: expected a finite number (z of the point), found 'nan'"},
       {"1,2,3,4,5,a\n1,2,3,4,5,a\n", "c.csv:2:11: the name 'a' is there already"},
+      {"2,,8,4,5,6\n", "c.csv:1:3: expected a value before this comma"},
+      {"1 2 3 4 5\n ,2,3,4,5\n", "c.csv:2:2: expected a value before this comma"},
       {"1,2,3,4,5,a,b\n", "c.csv:1:13: expected the end of the line, found 'b'"},
       {"1,2,3,4,5", "c.csv:1:10: expected the end of the line: the file may be cut short"},
       {"1,2,3,4e7,5\n", "c.csv:1:7: expected u of the pixel within 1e6, found '4e7'"},

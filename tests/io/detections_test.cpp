@@ -332,6 +332,20 @@ TEST_F(RecordedDetections, AreTheSameFromTheOriginalToolsFiles) {
     }
   }
 
+  // Packed.
+  const TemporaryDirectory packed;
+  std::filesystem::create_directory(packed / "train");
+  WriteFile(packed / ("train/" + std::filesystem::path(files[0]).filename().string() + ".gz"),
+            ReadFile(files[0]));
+  for (const auto& entry : std::filesystem::directory_iterator(Recorded("babelcalib_ov_plane")))
+    if (entry.path().extension() == ".dsc" || entry.path().extension() == ".tp")
+      WriteFile(packed / (entry.path().filename().string() + ".gz"),
+                ReadFile(entry.path().string()));
+  const Detections first = ReadDetections(
+      {packed / ("train/" + std::filesystem::path(files[0]).filename().string() + ".gz")});
+  ASSERT_EQ(first.views.size(), 1u);
+  EXPECT_EQ(first.views[0].corners.size(), original.views[0].corners.size());
+
   const Detections list =
       ReadDetections({Recorded("mrcal_alpha7/corners_c920.vnl")}, {10, 10, 0.0254, 1600, 896});
   EXPECT_EQ(list.views.size(), 16u);

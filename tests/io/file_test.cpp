@@ -111,6 +111,13 @@ TEST(File, KeepsModeAndSymbolicLinks) {
   WriteFile(directory / "link", "new");
   EXPECT_TRUE(std::filesystem::is_symlink(directory / "link"));
   EXPECT_EQ(ReadFile(directory / "real"), "new");
+  // One that points to what is not there yet, by another.
+  ASSERT_EQ(::symlink("later", (directory / "dangling").c_str()), 0);
+  ASSERT_EQ(::symlink((directory / "dangling").c_str(), (directory / "second").c_str()), 0);
+  WriteFile(directory / "second", "made");
+  EXPECT_TRUE(std::filesystem::is_symlink(directory / "second"));
+  EXPECT_TRUE(std::filesystem::is_symlink(directory / "dangling"));
+  EXPECT_EQ(ReadFile(directory / "later"), "made");
   struct stat status {};
   ASSERT_EQ(::stat((directory / "real").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 07777u, 0640u);

@@ -84,6 +84,8 @@ TEST(MissionIndex, SaysWhatIsWrongAndWhere) {
             std::string::npos);
   EXPECT_NE(With("20.25 3", "20.25 1").find("mission.index:17:23: expected 2 to 3"),
             std::string::npos);
+  EXPECT_NE(With("robot1 robot1", "../robot1 robot1").find("expected a robot's name"),
+            std::string::npos);
   EXPECT_NE(With("graphs/00002", "../00002").find("a file within the folder"), std::string::npos);
   EXPECT_NE(With("scans/robot1", "/scans/robot1").find("a file within the folder"),
             std::string::npos);

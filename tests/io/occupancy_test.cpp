@@ -1,6 +1,7 @@
 #include "graticule/io/occupancy.hpp"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "graphs.hpp"
 #include "graticule/io/file.hpp"
@@ -81,6 +82,7 @@ TEST(Occupancy, SaysWhatIsWrongWithAMapFile) {
   says(refused(with("free_thresh: 0.196", "free_thresh: 0.9")), "free_thresh < occupied_thresh");
   says(refused(with("0.65\nfree_thresh: 0.196", "1.65")), "free_thresh < occupied_thresh");
   says(refused(with("map.pgm", "none.pgm")), "none.pgm");
+  says(refused(good + "resolution: 7\n"), "'resolution' is there already");
   says(refused("image: ["), "not YAML");
   says(refused("7"), "expected a mapping");
 }
@@ -100,6 +102,17 @@ TEST(GreyImage, RefusesPromisesThatAFileDoesNotKeep) {
   for (const char* header : {"P5\n100000 100000\n255\n", "P5\n0 5\n255\n", "P5\n2 2\n0\n",
                              "P5\n2 2\n70000\n", "P2\n30000 30000\n255\n1 2", "P5 x", "P6\n1 1\n"})
     EXPECT_THROW(ParseGreyImage(header, "a.pgm"), Error) << header;
+}
+
+// A header of 16000 x 16000 pixels, and nothing behind it.
+TEST(GreyImage, RefusesAPngOfFewBytesBeforeItMakesRoomForItsPixels) {
+  std::string png = FormatPng({3, 2, {0, 10, 20, 30, 40, 250}});
+  const std::string size("\0\0\x3e\x80\0\0\x3e\x80", 8);
+  png.replace(16, 8, size);
+  const uLong sum = crc32(0, reinterpret_cast<const Bytef*>(png.data()) + 12, 17);
+  for (std::size_t i = 0; i < 4; ++i) png[29 + i] = static_cast<char>(sum >> (24 - 8 * i));
+  EXPECT_NE(MessageOf([&] { ParseGreyImage(png, "a.png"); }).find("promises 256000000 pixels"),
+            std::string::npos);
 }
 
 TEST(GreyImage, ReadsSixteenBits) {

@@ -110,6 +110,9 @@ TEST(SignalLog, TakesPositionsFromTrajectories) {
        "a.csv:2:4: the trajectory of 'r' does not reach");
   Says(Refusal("time,receiver,transmitter,dbm\n15,r,9,-40\n", options),
        "a.csv:2:6: where the radio '9' is is not known");
+  std::swap(options.trajectories["r"][0], options.trajectories["r"][1]);
+  Says(Refusal("time,receiver,transmitter,dbm\n15,r,1,-40\n", options),
+       "the trajectory of 'r': expected stamps in order, found 10 s after 20 s");
 }
 
 TEST(SignalLog, SaysWhatIsWrongAndWhere) {

@@ -73,10 +73,15 @@ TEST(Text, RefusesIntegersThatAreNone) {
 }
 
 TEST(Text, TakesWhatIsTooSmallForADoubleAsZero) {
-  for (const char* text : {"1e-999", "-1e-400", "+2E-500"}) {
+  for (const char* text :
+       {"1e-999", "-1e-400", "+2E-500", "0.001e-330", "1234e-340", "1e-99999999999999999999"}) {
     TextReader reader(text, "a");
     EXPECT_EQ(reader.Double(nullptr), 0) << text;
   }
+  // Too large, though the exponent is below zero.
+  const std::string large = "1" + std::string(400, '0') + "e-50";
+  TextReader reader(large, "a");
+  EXPECT_THROW(reader.Double(nullptr), Error);
 }
 
 TEST(Text, ReadsItsOwnNumbersBackToTheBit) {
