@@ -7,6 +7,7 @@
 #include "graticule/io/calibration_pictures.hpp"
 #include "graticule/io/camera_file.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/svg.hpp"
 #include "graticule/problems/calibration/difference.hpp"
 #include "graticule/problems/calibration/evaluate.hpp"
@@ -103,7 +104,7 @@ int Run(const CalibrateEvaluateCommand& command, const Console& console) {
       WriteFile(file, Ending(file) == ".png" ? PngFromSvg(svg, 1000) : svg);
     }
   }
-  if (command.json) fmt::print("{}\n", json.dump(2));
+  if (command.json) fmt::print("{}\n", JsonText(json, 2));
   return kDone;
 }
 

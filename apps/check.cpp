@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/solver/diagnose.hpp"
 #include "problem.hpp"
 
@@ -85,7 +86,7 @@ int Run(const CheckCommand& command, const Console& console) {
                                   : exit == kDone  ? "full"
                                                    : "not looked at: the Jacobians are wrong");
   } else {
-    fmt::print("{}\n", json.dump(1));
+    fmt::print("{}\n", JsonText(json, 1));
   }
   if (!trouble.empty()) {
     console.Error(command.file + ": " + trouble);

@@ -11,6 +11,7 @@
 #include "graticule/io/correspondences.hpp"
 #include "graticule/io/detections.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/rig.hpp"
 #include "graticule/io/svg.hpp"
 #include "graticule/problems/calibration/state.hpp"
@@ -294,7 +295,7 @@ int Run(const CoregisterCommand& command, const Console&) {
   if (!command.record.empty()) Record(command, types, data, answer);
   WritePictures(command, data, answer);
   if (command.json) {
-    fmt::print("{}\n", JsonOf(data, answer).dump(2));
+    fmt::print("{}\n", JsonText(JsonOf(data, answer), 2));
   } else {
     Print(command, data, answer);
   }

@@ -9,6 +9,7 @@
 #include "camera_output.hpp"
 #include "commands.hpp"
 #include "graticule/io/detections.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/problems/calibration/difference.hpp"
 #include "graticule/problems/calibration/target.hpp"
 #include "guide_loop.hpp"
@@ -123,7 +124,7 @@ int Conclude(const CalibrateGuideCommand& command, const Outcome& outcome, const
                     {"advise_ms", 1e3 * times.advise_s / count},
                     {"picture_ms", 1e3 * times.picture_s / count},
                     {"solve_s", times.solve_s}};
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", JsonText(json, 2));
   } else {
     fmt::print("{} frames taken of {} seen\n  model         {}\n", guidance.steps.size(),
                times.frames, guidance.camera.model);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "graticule/io/json_text.hpp"
 #include "graticule/problems/calibration/picture_data.hpp"
 
 namespace graticule::apps {
@@ -50,7 +51,7 @@ std::string LiveJson(const LiveView& view, const TargetLayout& layout) {
                {"progress", view.capture.progress}};
   json["moves"] = Json::array();
   for (const TargetMove move : view.match.moves) json["moves"].push_back(WordsOf(move));
-  return json.dump();
+  return JsonText(json);
 }
 
 std::string GuidanceJson(const Guidance& guidance, const TargetLayout& layout,
@@ -89,7 +90,7 @@ std::string GuidanceJson(const Guidance& guidance, const TargetLayout& layout,
     map["reached"].push_back(point.is_reached);
   }
   json["map"] = std::move(map);
-  return json.dump();
+  return JsonText(json);
 }
 
 }  // namespace graticule::apps

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "bounded_server.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/solver/error.hpp"
 #include "guide_assets.hpp"
 #include "guide_json.hpp"
@@ -156,8 +157,8 @@ void GuideServer::Offer() {
     });
   };
   json("options", [this](const Request&) {
-    return nlohmann::ordered_json{{"mirror", options_.is_mirrored}, {"files", options_.files}}
-        .dump();
+    return JsonText(
+        nlohmann::ordered_json{{"mirror", options_.is_mirrored}, {"files", options_.files}});
   });
   json("live", [this](const Request& request) {
     return LiveJson(board_.WaitFor(NumberOf(request, "after")), layout_);

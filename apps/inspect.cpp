@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/solver/diagnose.hpp"
 #include "problem.hpp"
 #include "structure_json.hpp"
@@ -158,7 +159,7 @@ int Run(const InspectCommand& command, const Console& console) {
   json.update(StructureJson(graph, structure));
   json["rank"] = Rank(graph, structure);
   if (command.json) {
-    fmt::print("{}\n", json.dump(1));
+    fmt::print("{}\n", JsonText(json, 1));
   } else {
     Print(json);
     if (recording.repaired) fmt::print("  repaired   {}\n", ToString(*recording.repaired));

@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "graticule/io/cloud_files.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/photo.hpp"
 #include "graticule/io/rig.hpp"
 #include "graticule/io/segment_report.hpp"
@@ -190,7 +191,7 @@ int Run(const SegmentCommand& command, const Console& console) {
                       {"mean_f", score->mean_f},
                       {"found", score->found}};
     out["segments"] = SegmentsJson(segments);
-    fmt::print("{}\n", out.dump(2));
+    fmt::print("{}\n", JsonText(out, 2));
     return kDone;
   }
   fmt::print("{}: {} x {} points, {} in {} segments ({}, {})\n", command.cloud, cloud.width,

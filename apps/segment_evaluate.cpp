@@ -7,6 +7,7 @@
 
 #include "graticule/io/cloud_files.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/segment_report.hpp"
 #include "graticule/io/svg.hpp"
 #include "graticule/problems/segmentation/segment_score.hpp"
@@ -213,7 +214,7 @@ int Run(const SegmentEvaluateCommand& command, const Console& console) {
     console.Note("wrote " + command.report);
   }
   if (command.json)
-    fmt::print("{}\n", JsonOf(report).dump(2));
+    fmt::print("{}\n", JsonText(JsonOf(report), 2));
   else
     Print(report);
   return kDone;

@@ -5,6 +5,7 @@
 
 #include "graticule/io/chart.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/svg.hpp"
 #include "graticule/problems/parallel_for.hpp"
 #include "problem.hpp"
@@ -186,7 +187,7 @@ int Run(const SignalEvaluateCommand& command, const Console& console) {
     console.Note("wrote " + command.plot);
   }
   if (command.json)
-    fmt::print("{}\n", json.dump(1));
+    fmt::print("{}\n", JsonText(json, 1));
   else
     PrintTable(results, replay.step_s);
   return kDone;

@@ -4,6 +4,7 @@
 
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/problem_file.hpp"
 #include "graticule/problems/attenuation/fitted.hpp"
 #include "graticule/problems/attenuation/tomography.hpp"
@@ -98,7 +99,7 @@ int FitGraph(const SignalFitCommand& command, const LoadedSignal& signal,
                                {"mean_db_per_m", count > 0 ? Json(sum / count) : Json()}});
   }
   if (command.json) {
-    fmt::print("{}\n", json.dump(1));
+    fmt::print("{}\n", JsonText(json, 1));
   } else {
     fmt::print(
         "{}: {} measurements, {}: {}\n  path loss     {:.2f} dBm at 1 m, {:.2f} dB a decade\n"
@@ -155,11 +156,11 @@ int Run(const SignalFitCommand& command, const Console& console) {
   Say(not_determined, signal, console);
   WriteFile(command.output, FormatMeasuredModel(method, options, signal.log));
   if (command.json)
-    fmt::print("{}\n", Json{{"schema", "graticule-signal-fit/1"},
-                            {"method", method},
-                            {"measurements", signal.log.measurements.size()},
-                            {"not_determined", not_determined}}
-                           .dump(1));
+    fmt::print("{}\n", JsonText(Json{{"schema", "graticule-signal-fit/1"},
+                                     {"method", method},
+                                     {"measurements", signal.log.measurements.size()},
+                                     {"not_determined", not_determined}},
+                                1));
   else
     fmt::print("{}: {} measurements, {}\n  wrote         {}\n", signal.name,
                signal.log.measurements.size(), method, command.output);

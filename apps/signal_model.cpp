@@ -9,6 +9,7 @@
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/json_document.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/problem_file.hpp"
 #include "graticule/io/text.hpp"
 #include "graticule/problems/attenuation/log_fit.hpp"
@@ -251,7 +252,7 @@ std::string ModelLine(const FittedModel& model, const std::vector<std::string>& 
                      {"bias_sigma_db", options.bias_sigma_db},
                      {"sigma_db", options.sigma_db},
                      {"correlation", options.correlation}};
-  return json.dump();
+  return JsonText(json);
 }
 
 std::string FormatMeasuredModel(const std::string& method, const MethodOptions& options,

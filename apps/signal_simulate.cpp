@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/trajectory.hpp"
 #include "graticule/problems/attenuation/simulate.hpp"
 #include "output_folder.hpp"
@@ -55,7 +56,7 @@ int Run(const SignalSimulateCommand& command, const Console& console) {
     json["radios"][simulated.log.radios[i]] = {{"bias_db", simulated.bias_db[i]},
                                                {"sending_db", simulated.sending_bias_db[i]},
                                                {"listening_db", simulated.listening_bias_db[i]}};
-  folder.Write("truth.json", json.dump(1) + "\n");
+  folder.Write("truth.json", JsonText(json, 1) + "\n");
   console.Note(fmt::format("{}: {} measurements in {:g} s, {} robots", command.output,
                            simulated.log.measurements.size(), options.place.duration_s,
                            options.robots));

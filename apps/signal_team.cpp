@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/text.hpp"
 #include "graticule/problems/attenuation/plan.hpp"
 #include "graticule/problems/mapping/route.hpp"
@@ -98,7 +99,7 @@ int Run(const SignalConnectCommand& command, const Console&) {
                  link.probability, is_backbone ? "  *" : "");
   }
   if (command.json)
-    fmt::print("{}\n", json.dump(1));
+    fmt::print("{}\n", JsonText(json, 1));
   else
     fmt::print("  * joins the team at the best product of probabilities\n");
   return kDone;
@@ -142,7 +143,7 @@ int Run(const SignalWhereCommand& command, const Console&) {
       fmt::print("{:8.2f} {:8.2f}  tells {:.3f} nats; strengths there are known to {:.1f} dB\n",
                  place.at_m.x(), place.at_m.y(), place.gain_nats, place.sigma_db);
   }
-  if (command.json) fmt::print("{}\n", json.dump(1));
+  if (command.json) fmt::print("{}\n", JsonText(json, 1));
   return kDone;
 }
 

@@ -5,6 +5,7 @@
 #include "commands.hpp"
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/file.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/trajectory.hpp"
 #include "graticule/problems/bundle/simulate.hpp"
 #include "graticule/problems/pose_graph/corrupt.hpp"
@@ -27,7 +28,7 @@ void Write(const SimulateCommand& command, const Graph& graph, const Values& tru
   options.binary = command.binary;
   WriteProblem(command.output, recording, options);
   if (!command.outliers.empty())
-    WriteFile(command.outliers, nlohmann::json(outliers).dump() + "\n");
+    WriteFile(command.outliers, JsonText(nlohmann::json(outliers)) + "\n");
   if (as_trajectory) {
     for (const auto& [path, family] : trajectories)
       WriteFile(path, FormatTum(Trajectory(graph, truth, family)));
@@ -64,7 +65,7 @@ int Corrupt(const SimulateCommand& command, const Console& console) {
   for (const std::string& note : WriteProblem(command.output, recording, writing))
     console.Note(command.output + ": " + note);
   if (!command.outliers.empty())
-    WriteFile(command.outliers, nlohmann::json(corrupted.outliers).dump() + "\n");
+    WriteFile(command.outliers, JsonText(nlohmann::json(corrupted.outliers)) + "\n");
   console.Note(fmt::format("{}: {} false closures added to {} factors", command.output,
                            corrupted.outliers.size(),
                            recording.graph.FactorCount() - corrupted.outliers.size()));

@@ -8,6 +8,7 @@
 #include "graticule/factors/builtins.hpp"
 #include "graticule/io/carmen.hpp"
 #include "graticule/io/cloud_files.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/photo.hpp"
 #include "graticule/io/problem_file.hpp"
 #include "graticule/io/rig.hpp"
@@ -159,7 +160,7 @@ int Run(const SimulateMissionCommand& command, const Console& console) {
     WriteCameras(mission.log.robots, command, folder, truth, console);
     json["scene"] = WriteScene(simulated, command, folder, truth);
   }
-  truth.Write("truth.json", json.dump(1) + "\n");
+  truth.Write("truth.json", JsonText(json, 1) + "\n");
   folder.Write("README.md", MissionReadme(contents));
   console.Note(fmt::format("{}: {} robots, {} scans, {} nodes", command.output, options.robots,
                            mission.log.scans.size(), mission.nodes.size()));

@@ -10,6 +10,7 @@
 #include "configured_solve.hpp"
 #include "graticule/io/file.hpp"
 #include "graticule/io/graph_plot.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/report_html.hpp"
 #include "graticule/io/report_json.hpp"
 #include "graticule/io/svg.hpp"
@@ -80,7 +81,7 @@ void PrintIllPosed(const Graph& graph, const Error& error, const SolveCommand& c
   nlohmann::ordered_json json = {
       {"schema", "graticule-ill-posed/1"}, {"file", command.file}, {"error", error.what()}};
   json.update(StructureJson(graph, AnalyseStructure(graph)));
-  fmt::print("{}\n", json.dump(1));
+  fmt::print("{}\n", JsonText(json, 1));
 }
 
 // What a solved problem says of its solution, on one line.
@@ -101,7 +102,7 @@ std::string SolutionLine(const Report& report, const SolveCommand& command,
         line["rejected"].push_back(factor.id);
     }
   }
-  return line.dump();
+  return JsonText(line);
 }
 
 // The words of the command that stand for options.
@@ -271,7 +272,7 @@ int Run(const SolveCommand& command, const Console& console) {
     WriteFile(command.plot, Ending(command.plot) == ".svg" ? drawing : PngFromSvg(drawing, 1600));
   });
   outputs.Try(command.marginals_output, [&] {
-    WriteFile(command.marginals_output, MarginalsJson(marginals).dump(1) + "\n");
+    WriteFile(command.marginals_output, JsonText(MarginalsJson(marginals), 1) + "\n");
   });
   report.timing.write = clock.Elapsed();
   report.timing.total = total.Elapsed();
@@ -287,7 +288,7 @@ int Run(const SolveCommand& command, const Console& console) {
   if (command.json) {
     nlohmann::ordered_json json = nlohmann::ordered_json::parse(ReportJson(report, context));
     if (!marginal_keys.empty()) json["marginals"] = MarginalsJson(marginals);
-    fmt::print("{}\n", json.dump(1));
+    fmt::print("{}\n", JsonText(json, 1));
   } else {
     PrintSummary(command, kept, report, context);
     if (context.certificate) PrintCertificate(*context.certificate);

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graticule/io/calibration_report.hpp"
+#include "graticule/io/json_text.hpp"
 
 namespace graticule {
 namespace {
@@ -150,7 +151,7 @@ std::string CalibrationReportJson(const CalibrationReport& report) {
   json["timings_s"] = Json::object();
   for (const auto& [name, seconds] : report.timings) json["timings_s"][name] = Number(seconds);
   json["warnings"] = report.warnings;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return JsonText(json, 2) + "\n";
 }
 
 }  // namespace graticule

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graticule/io/comparison.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/report_json.hpp"
 
 namespace graticule {
@@ -54,7 +55,7 @@ std::string ComparisonJson(const Comparison& comparison) {
   for (const ComparisonRun& run : comparison.runs) json["runs"].push_back(RunJson(run));
   json["provenance"] = Json::object();
   for (const auto& [name, value] : comparison.provenance) json["provenance"][name] = value;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return JsonText(json, 2) + "\n";
 }
 
 }  // namespace graticule

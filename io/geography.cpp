@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/svg.hpp"
 #include "graticule/io/text.hpp"
 
@@ -37,7 +38,7 @@ std::string FormatGeoJson(const std::vector<GeographicLine>& lines) {
                         {"properties", {{"name", line.name}}},
                         {"geometry", {{"type", "LineString"}, {"coordinates", coordinates}}}});
   }
-  return nlohmann::ordered_json{{"type", "FeatureCollection"}, {"features", features}}.dump() +
+  return JsonText(nlohmann::ordered_json{{"type", "FeatureCollection"}, {"features", features}}) +
          "\n";
 }
 

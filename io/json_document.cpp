@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/text.hpp"
 #include "graticule/solver/error.hpp"
 
@@ -106,9 +107,7 @@ JsonDocument::JsonDocument(std::string_view text, const std::string& name) : nam
   }
 }
 
-std::string JsonQuoted(const std::string& text) {
-  return json(text).dump(-1, ' ', false, json::error_handler_t::replace);
-}
+std::string JsonQuoted(const std::string& text) { return JsonText(json(text)); }
 
 void AppendJsonNumber(std::string* text, double number) {
   // JSON's "-0" is a whole number, and has no sign.

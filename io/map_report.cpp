@@ -5,6 +5,7 @@
 
 #include "graticule/io/chart.hpp"
 #include "graticule/io/html.hpp"
+#include "graticule/io/json_text.hpp"
 #include "graticule/io/readable.hpp"
 #include "graticule/io/report_json.hpp"
 #include "graticule/io/svg.hpp"
@@ -207,7 +208,7 @@ std::string MapReportJson(const MapReport& report) {
   if (report.accuracy)
     json["accuracy"] = nlohmann::ordered_json::parse(AccuracyJson(report.accuracy));
   json["warnings"] = report.warnings;
-  return json.dump(2) + "\n";
+  return JsonText(json, 2) + "\n";
 }
 
 }  // namespace graticule

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "graticule/io/json_text.hpp"
+
 namespace graticule {
 namespace {
 
@@ -181,11 +183,11 @@ Json AgainstTruth(const std::optional<Accuracy>& accuracy) {
 }  // namespace
 
 std::string RepairedJson(const std::optional<RepairedInformation>& repaired) {
-  return Repaired(repaired).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return JsonText(Repaired(repaired));
 }
 
 std::string AccuracyJson(const std::optional<Accuracy>& accuracy) {
-  return AgainstTruth(accuracy).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return JsonText(AgainstTruth(accuracy));
 }
 
 std::string ReportJson(const Report& report, const ReportContext& context) {
@@ -235,7 +237,7 @@ std::string ReportJson(const Report& report, const ReportContext& context) {
   json["history"] = History(report);
   json["options"] = Object(report.options);
   json["provenance"] = Object(report.provenance);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return JsonText(json, 2) + "\n";
 }
 
 }  // namespace graticule

@@ -157,6 +157,29 @@ TEST_F(Solve, WritesTheResultWhenTimeIsUp) {
   EXPECT_EQ(again["initial_cost"], report["final_cost"]);
 }
 
+// Linux' names of files are bytes, and so is what stands in them.
+TEST_F(CommandTest, WhatIsNotUtf8IsReplacedInJson) {
+  const std::string replaced = "caf\xef\xbf\xbd";
+  const std::string square = Write("caf\xe9.g2o", kSquare);
+  for (const char* command : {"inspect", "check", "solve"}) {
+    const Outcome outcome = RunCommand({command, square, "--json"});
+    EXPECT_EQ(outcome.exit_code, 0) << command << outcome.err;
+    EXPECT_NE(outcome.out.find(replaced + ".g2o"), std::string::npos) << command << outcome.out;
+  }
+  const std::string pieces = Write("caf\xe9-2.g2o", kPieces);
+  const Outcome ill_posed = RunCommand({"solve", pieces, "--json"});
+  EXPECT_EQ(ill_posed.exit_code, 5) << ill_posed.err;
+  EXPECT_EQ(JsonOf(ill_posed)["schema"], "graticule-ill-posed/1");
+
+  std::string log = "receiver,transmitter,rx_x,rx_y,tx_x,tx_y,dbm\n";
+  for (int i = 1; i <= 8; ++i)
+    log += "caf\xe9,b," + std::to_string(i) + ",0,0,0," + std::to_string(-40 - 3 * i) + "\n";
+  const Outcome fit = RunCommand({"signal", "fit", Write("log.csv", log), "--method", "log-fit",
+                                  "-o", Path("model.fg"), "--json"});
+  EXPECT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_NE(fit.out.find(replaced), std::string::npos) << fit.out;
+}
+
 TEST_F(Solve, WritesTheBestSoFarOnCtrlC) {
   RunOptions interrupted;
   interrupted.terminal_stderr = true;
