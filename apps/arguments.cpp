@@ -10,10 +10,14 @@
 
 namespace graticule::apps {
 
-void AddReading(CLI::App* sub, Reading* reading) {
+void AddPlugins(CLI::App* sub, Reading* reading) {
   sub->add_option("--plugin", reading->plugins, "a plug-in's shared library; may be repeated")
       ->type_name("FILE")
       ->allow_extra_args(false);
+}
+
+void AddReading(CLI::App* sub, Reading* reading) {
+  AddPlugins(sub, reading);
   sub->add_option("--g2o-rotation", reading->g2o_rotation,
                   "what 3D rotation weights in .g2o mean: half (as the tool g2o: the quaternion's "
                   "vector part; the "
@@ -259,7 +263,7 @@ void AddLists(CLI::App* app, Chosen* chosen) {
   CLI::App* sub =
       AddCommand(app, "types", "list the variable and factor types that are loaded",
                  "  graticule types\n  graticule types --plugin ./libradar.so", types, chosen);
-  AddReading(sub, &types->reading);
+  AddPlugins(sub, &types->reading);
 }
 
 // CLI11 says of `graticule slove` only that a subcommand is missing.

@@ -131,7 +131,7 @@ void AddGuide(CLI::App* calibrate, Chosen* chosen) {
                 "no page: run to the accuracy, or the source's end, as fast as it goes");
   sub->add_option("--frames", command->frames, "end after so many frames of the live picture");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
-  AddReading(sub, &command->reading);
+  AddPlugins(sub, &command->reading);
 }
 
 }  // namespace
@@ -183,7 +183,7 @@ void AddCalibrate(CLI::App* app, Chosen* chosen) {
   sub->add_option("--pictures", command->pictures, "a folder for its pictures: SVG and PNG");
   sub->add_option("--record", command->record, "write the factor graph, solved: .fg");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
-  AddReading(sub, &command->reading);
+  AddPlugins(sub, &command->reading);
   AddEvaluate(sub, chosen);
   AddGuide(sub, chosen);
   AddTarget(sub, chosen);

@@ -48,7 +48,7 @@ void AddCoregister(CLI::App* app, Chosen* chosen) {
                   "draw the expected error over the image, at the first range: .svg or .png");
   sub->add_option("--record", command->record, "write the factor graph, solved: .fg");
   sub->add_flag("--json", command->json, "one JSON object on stdout instead of the summary");
-  AddReading(sub, &command->reading);
+  AddPlugins(sub, &command->reading);
 }
 
 }  // namespace graticule::apps

@@ -36,7 +36,9 @@ CLI::App* AddCommand(CLI::App* app, const char* name, const char* what, const ch
   return sub;
 }
 
-/// The words that say how files are read.
+/// `--plugin`: whose types are loaded beside the built-in ones.
+void AddPlugins(CLI::App* sub, Reading* reading);
+/// The words that say how problems are read, `--plugin` among them.
 void AddReading(CLI::App* sub, Reading* reading);
 /// Which configuration and what is changed in it, in these words.
 void AddChoosing(CLI::App* sub, Choosing* choosing, const char* config, const char* setting);

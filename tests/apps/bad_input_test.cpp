@@ -88,6 +88,16 @@ TEST_F(BadInput, AnOptionInAConfigurationIsRefusedAtItsLine) {
                 "graticule: " + value + ":2:", "max_iterations");
 }
 
+// Where no problem is read, its options would do nothing.
+TEST_F(BadInput, OptionsOfReadingAreUnknownToCommandsThatReadNoProblem) {
+  using Words = std::vector<std::string>;
+  for (Words words : {Words{"calibrate", "set.json"}, Words{"calibrate", "guide"},
+                      Words{"coregister", "--camera", "camera.yaml"}, Words{"types"}}) {
+    words.emplace_back("--skip-unknown");
+    ExpectUsage(RunCommand(words), "--skip-unknown");
+  }
+}
+
 TEST_F(BadInput, AMissingFileAFolderAndNothingAreRefusedByName) {
   const std::string missing = Path("missing.g2o");
   const std::string folder = Path("folder.g2o");
