@@ -61,6 +61,8 @@ int FitGraph(const SignalFitCommand& command, const LoadedSignal& signal,
   writing.binary = command.binary;
   if (!command.record.empty()) WriteProblem(command.record, recording, writing);
 
+  // From here on Ctrl-C ends the solve, and does not cut a file that is being written.
+  const Interruptible interruptible;
   const Solution solution =
       Solve(recording.graph, TomographySolving(), Watch(console, signal.name));
   console.Progress("");

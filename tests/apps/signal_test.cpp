@@ -83,6 +83,22 @@ TEST_F(SignalCommandTest, FitsPredictsAndDrawsByEachGraph) {
             2);
 }
 
+TEST_F(SignalCommandTest, WritesTheBestSoFarOnCtrlC) {
+  ASSERT_EQ(RunCommand({"signal", "simulate", "house", "--seconds", "1200", "--rate", "5", "-o",
+                        Path("long"), "--quiet"})
+                .exit_code,
+            0);
+  RunOptions interrupted;
+  interrupted.terminal_stderr = true;
+  interrupted.interrupt_at = "iteration 0,";
+  const Outcome fit = RunCommand(
+      {"signal", "fit", Path("long"), "--method", "fine-mrt", "-o", Path("fit.fg"), "--json"},
+      interrupted);
+  EXPECT_EQ(fit.exit_code, 4) << fit.err;
+  EXPECT_EQ(JsonOf(fit)["termination"], "cancelled");
+  EXPECT_EQ(RunCommand({"inspect", Path("fit.fg")}).exit_code, 0);
+}
+
 TEST_F(SignalCommandTest, KeepsWhatWasMeasuredWhereTheMethodIsNoGraph) {
   const std::string pairs = Write("pairs.csv", "rx_x,rx_y,tx_x,tx_y\n3,3,8,4\n");
   for (const char* method : {"gp", "best", "persistence", "matte+gp"}) {
