@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "calibration_input.hpp"
+#include "camera_output.hpp"
 #include "commands.hpp"
 #include "graticule/factors/camera_model.hpp"
 #include "graticule/io/calibration_report.hpp"
@@ -22,18 +23,6 @@
 
 namespace graticule::apps {
 namespace {
-
-// "ros:camera.yaml" as a format and a path; without a known word before the colon all is the path.
-struct Output {
-  std::optional<CameraFormat> format;
-  std::string path;
-};
-
-Output OutputOf(const std::string& words) {
-  const std::size_t colon = words.find(':');
-  if (colon == std::string::npos || colon == 0) return {std::nullopt, words};
-  return {CameraFormatFromWord(words.substr(0, colon)), words.substr(colon + 1)};
-}
 
 BoardShape BoardOf(const std::string& word) {
   return word == "free"     ? BoardShape::kFree
@@ -265,9 +254,7 @@ void Record(const CalibrateCommand& command, const Registry& types, const Detect
 }
 
 int Calibrate(const CalibrateCommand& command, const Console& console) {
-  std::vector<Output> outputs;
-  for (const std::string& words : command.outputs) outputs.push_back(OutputOf(words));
-  for (const Output& output : outputs) ExpectWritable(output.path);
+  const std::vector<CameraOutput> cameras = CameraOutputsOf(command.outputs);
   if (!command.record.empty()) ExpectEnding(command.record, "--record", ProblemEndings());
   if (!command.report.empty()) ExpectEnding(command.report, "--report", {".html", ".json"});
   const Registry types = LoadTypes(command.reading);
@@ -281,7 +268,7 @@ int Calibrate(const CalibrateCommand& command, const Console& console) {
   if (input.target) answer.report.facts.emplace_back("target", Described(*input.target));
 
   const CameraRig rig = RigOf(answer);
-  for (const Output& output : outputs) WriteCameras(output.path, rig, output.format);
+  WriteAll(cameras, rig);
   if (!command.record.empty()) Record(command, types, detections, answer);
   if (!command.pictures.empty()) {
     const OutputFolder folder(command.pictures);

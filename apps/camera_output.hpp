@@ -9,13 +9,14 @@
 namespace graticule::apps {
 
 /// Where a camera is written, as `-o` says it: "ros:camera.yaml" as a format and a path; without a
-/// known word before the colon all is the path.
+/// colon all is the path.
 struct CameraOutput {
   std::optional<CameraFormat> format;
   std::string path;
 };
 
-/// Throws Error: a format that is none, a folder that cannot be written.
+/// Throws Error: a word before the colon that is no format (kUsage), a folder that cannot be
+/// written.
 std::vector<CameraOutput> CameraOutputsOf(const std::vector<std::string>& words);
 void WriteAll(const std::vector<CameraOutput>& outputs, const CameraRig& rig);
 
