@@ -15,15 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where ready configurations lie: named by the user, beside an installed program, or in the source
-// tree.
+// Where ready configurations lie: named by the user, or beside the program.
 std::vector<fs::path> Folders() {
   std::vector<fs::path> folders;
   if (const char* named = std::getenv("GRATICULE_CONFIG_PATH")) folders.emplace_back(named);
   std::error_code problem;
   const fs::path program = fs::read_symlink("/proc/self/exe", problem);
   if (!problem) folders.push_back(program.parent_path() / GRATICULE_CONFIG_FROM_PROGRAM);
-  folders.emplace_back(GRATICULE_CONFIG_SOURCE);
   return folders;
 }
 

@@ -169,6 +169,13 @@ TEST_F(Types, ConfigurationsAreAlsoLookedForWhereTheEnvironmentSays) {
   EXPECT_NE(RunCommand({"options"}, options).out.find(" mine"), std::string::npos);
 }
 
+// An installed program would else read what lies there on another machine.
+TEST_F(Types, TheProgramDoesNotRememberWhereConfigurationsWereWhenItWasBuilt) {
+  const std::string program = ReadWhole(GRATICULE_PROGRAM);
+  EXPECT_NE(program.find("graticule/configs"), std::string::npos);
+  EXPECT_EQ(program.find(GRATICULE_SOURCE_DIR "/apps/configs"), std::string::npos);
+}
+
 TEST_F(Types, OptionsAreDocumentedAsTheProgramPrintsThem) {
   const Outcome outcome = RunCommand({"options", "--markdown"});
   EXPECT_EQ(outcome.exit_code, 0);
