@@ -1,7 +1,9 @@
 #include "guide_server.hpp"
 
 #include <arpa/inet.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -61,6 +63,18 @@ bool IsAddress(const std::string& address) {
          inet_pton(AF_INET6, address.c_str(), &any) == 1;
 }
 
+// What another machine can call an address: where it means every one of this machine's, its name.
+std::string HostOf(const std::string& address) {
+  const bool is_six = address.find(':') != std::string::npos;
+  in6_addr bytes{};  // large enough for both
+  const bool is_any = inet_pton(is_six ? AF_INET6 : AF_INET, address.c_str(), &bytes) == 1 &&
+                      std::all_of(bytes.s6_addr, bytes.s6_addr + (is_six ? 16 : 4),
+                                  [](unsigned char byte) { return byte == 0; });
+  char name[256] = {};
+  if (is_any && gethostname(name, sizeof(name) - 1) == 0 && name[0] != '\0') return name;
+  return is_six ? "[" + address + "]" : address;
+}
+
 constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr const char* kJson = "application/json";
 
@@ -88,9 +102,7 @@ GuideServer::~GuideServer() {
 }
 
 std::string GuideServer::Url() const {
-  const bool is_six = options_.address.find(':') != std::string::npos;
-  const std::string host = is_six ? "[" + options_.address + "]" : options_.address;
-  return "http://" + host + ":" + std::to_string(options_.port) + "/" +
+  return "http://" + HostOf(options_.address) + ":" + std::to_string(options_.port) + "/" +
          (token_.empty() ? "" : token_ + "/");
 }
 

@@ -45,7 +45,7 @@ class GuideServer {
   GuideServer(const GuideServer&) = delete;
   GuideServer& operator=(const GuideServer&) = delete;
 
-  /// Where the page is.
+  /// Where the page is, for other machines too where it listens on all addresses of this one.
   std::string Url() const;
 
  private:

@@ -4,6 +4,7 @@
 #include "guide_server.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -160,6 +161,15 @@ TEST(GuideServer, AsksForItsTokenElsewhere) {
     EXPECT_EQ(StatusOf(Asked(port, Request("GET", bad))), 403) << bad;
   EXPECT_EQ(StatusOf(Asked(port, Request("POST", "/close", kButton))), 403);
   EXPECT_EQ(page.closes, 0);
+}
+
+// Nobody can open 0.0.0.0 from another machine.
+TEST(GuideServer, SaysTheMachinesNameWhereItListensOnAllAddresses) {
+  char name[256] = {};
+  ASSERT_EQ(gethostname(name, sizeof(name) - 1), 0);
+  const std::string begin = "http://" + std::string(name) + ":";
+  EXPECT_EQ(Page("0.0.0.0").server.Url().substr(0, begin.size()), begin);
+  EXPECT_EQ(Page("127.0.0.1").server.Url().substr(0, 17), "http://127.0.0.1:");
 }
 
 TEST(GuideServer, LetsNobodyWaitForAnother) {
