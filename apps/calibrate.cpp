@@ -19,6 +19,7 @@
 #include "graticule/problems/calibration/suggest.hpp"
 #include "graticule/solver/stopwatch.hpp"
 #include "output_folder.hpp"
+#include "outputs.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -257,36 +258,42 @@ int Calibrate(const CalibrateCommand& command, const Console& console) {
   const std::vector<CameraOutput> cameras = CameraOutputsOf(command.outputs);
   if (!command.record.empty()) ExpectEnding(command.record, "--record", ProblemEndings());
   if (!command.report.empty()) ExpectEnding(command.report, "--report", {".html", ".json"});
+  for (const std::string& path : {command.detections, command.record, command.report})
+    ExpectWritable(path);
+  std::optional<OutputFolder> pictures;
+  if (!command.pictures.empty()) pictures.emplace(command.pictures);
   const Registry types = LoadTypes(command.reading);
   const CalibrationInput input = LoadCalibrationInput(command.sources, command.target,
                                                       command.image_topic, console, GoOnOrStop);
   const Detections& detections = input.detections;
   // Before the solve: where that is stopped, they need not be looked for again.
-  if (!command.detections.empty()) WriteDetections(command.detections, detections);
+  Outputs outputs(console);
+  outputs.Try(command.detections, [&] { WriteDetections(command.detections, detections); });
   Answer answer = Solve(command, types, input, console);
   for (const std::string& note : input.notes) answer.report.warnings.push_back(note);
   if (input.target) answer.report.facts.emplace_back("target", Described(*input.target));
 
   const CameraRig rig = RigOf(answer);
-  WriteAll(cameras, rig);
-  if (!command.record.empty()) Record(command, types, detections, answer);
-  if (!command.pictures.empty()) {
-    const OutputFolder folder(command.pictures);
+  for (const CameraOutput& camera : cameras)
+    outputs.Try(camera.path, [&] { WriteCameras(camera.path, rig, camera.format); });
+  outputs.Try(command.record, [&] { Record(command, types, detections, answer); });
+  outputs.Try(command.pictures, [&] {
     for (const NamedPicture& picture : CalibrationPictures(answer.report)) {
-      folder.Write(picture.name + ".svg", picture.svg);
-      folder.Write(picture.name + ".png", PngFromSvg(picture.svg, 1000));
+      pictures->Write(picture.name + ".svg", picture.svg);
+      pictures->Write(picture.name + ".png", PngFromSvg(picture.svg, 1000));
     }
-  }
+  });
   const std::string json = CalibrationReportJson(answer.report);
-  if (Ending(command.report) == ".json")
-    WriteFile(command.report, json);
-  else if (!command.report.empty())
-    WriteFile(command.report, CalibrationReportHtml(answer.report));
+  outputs.Try(command.report, [&] {
+    WriteFile(command.report,
+              Ending(command.report) == ".json" ? json : CalibrationReportHtml(answer.report));
+  });
   if (command.json)
     fmt::print("{}", json);
   else
     PrintSummary(detections, answer);
   if (!answer.posterior.Constrained()) return kIllPosed;
+  if (outputs.Failure() != kDone) return outputs.Failure();
   return ExitOf(answer.Solved().report.termination);
 }
 

@@ -12,6 +12,7 @@
 #include "graticule/problems/calibration/difference.hpp"
 #include "graticule/problems/calibration/evaluate.hpp"
 #include "graticule/problems/calibration/picture_data.hpp"
+#include "outputs.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -65,7 +66,9 @@ int Run(const CalibrateEvaluateCommand& command, const Console& console) {
   if (!command.picture.empty()) {
     if (command.against.empty()) throw Error("--plot goes with --against", ErrorKind::kUsage);
     ExpectEnding(command.picture, "--plot", {".svg", ".png"});
+    ExpectWritable(command.picture);
   }
+  Outputs outputs(console);
   LoadTypes(command.reading);  // for the lenses
   const Detections test =
       LoadCalibrationInput(command.sources, command.target, command.image_topic, console)
@@ -101,11 +104,12 @@ int Run(const CalibrateEvaluateCommand& command, const Console& console) {
       if (command.picture.empty()) continue;
       const std::string svg = DrawErrorMap(DescribeDifference(difference, command.against));
       const std::string file = PictureFile(command.picture, c, state.cameras.size());
-      WriteFile(file, Ending(file) == ".png" ? PngFromSvg(svg, 1000) : svg);
+      outputs.Try(file,
+                  [&] { WriteFile(file, Ending(file) == ".png" ? PngFromSvg(svg, 1000) : svg); });
     }
   }
   if (command.json) fmt::print("{}\n", JsonText(json, 2));
-  return kDone;
+  return outputs.Failure();
 }
 
 }  // namespace graticule::apps

@@ -18,6 +18,7 @@
 #include "graticule/problems/calibration/target_pose.hpp"
 #include "graticule/problems/segmentation/coregister_error.hpp"
 #include "graticule/problems/segmentation/coregister_evaluate.hpp"
+#include "outputs.hpp"
 #include "problem.hpp"
 
 namespace graticule::apps {
@@ -187,24 +188,24 @@ void WritePicture(const std::string& path, const std::string& svg) {
   WriteFile(path, Ending(path) == ".png" ? PngFromSvg(svg, 1000) : svg);
 }
 
-void WritePictures(const CoregisterCommand& command, const CoregisterData& data,
-                   const Answer& answer) {
+void WriteResiduals(const CoregisterCommand& command, const CoregisterData& data,
+                    const Answer& answer) {
   const CameraIntrinsics& camera = answer.solved.state.camera;
-  if (!command.picture.empty()) {
-    ResidualPicture picture;
-    picture.title = "Correspondences: from where each was seen to where it is projected";
-    picture.width = camera.width;
-    picture.height = camera.height;
-    const auto residuals = PointResiduals(answer.solved.state, data.points);
-    for (std::size_t i = 0; i < data.points.size(); ++i)
-      picture.corners.push_back({0,
-                                 static_cast<int>(i),
-                                 {data.points[i].pixel[0], data.points[i].pixel[1]},
-                                 {residuals[i].x(), residuals[i].y()},
-                                 answer.solved.use[i] == 0});
-    WritePicture(command.picture, DrawResiduals(picture));
-  }
-  if (command.error_map.empty()) return;
+  ResidualPicture picture;
+  picture.title = "Correspondences: from where each was seen to where it is projected";
+  picture.width = camera.width;
+  picture.height = camera.height;
+  const auto residuals = PointResiduals(answer.solved.state, data.points);
+  for (std::size_t i = 0; i < data.points.size(); ++i)
+    picture.corners.push_back({0,
+                               static_cast<int>(i),
+                               {data.points[i].pixel[0], data.points[i].pixel[1]},
+                               {residuals[i].x(), residuals[i].y()},
+                               answer.solved.use[i] == 0});
+  WritePicture(command.picture, DrawResiduals(picture));
+}
+
+void WriteErrorMap(const CoregisterCommand& command, const Answer& answer) {
   ErrorMap map;
   map.title = "Expected error of the LIDAR's points in the image";
   map.subtitle = fmt::format("of the extrinsics, at {:.1f} m", answer.errors[0].range_m);
@@ -240,12 +241,14 @@ void Record(const CoregisterCommand& command, const Registry& types, const Coreg
 
 }  // namespace
 
-int Run(const CoregisterCommand& command, const Console&) {
-  if (!command.output.empty()) ExpectWritable(command.output);
+int Run(const CoregisterCommand& command, const Console& console) {
   if (!command.record.empty()) ExpectEnding(command.record, "--record", ProblemEndings());
   for (const auto& [path, option] :
        {std::pair(&command.picture, "--plot"), std::pair(&command.error_map, "--error-map")})
     if (!path->empty()) ExpectEnding(*path, option, {".svg", ".png"});
+  for (const std::string& path :
+       {command.output, command.record, command.picture, command.error_map})
+    ExpectWritable(path);
   if (command.points.empty() && command.planes.empty())
     throw Error("expected --points, or --detections with --planes", ErrorKind::kUsage);
   const auto is_finite = [](double number) { return std::isfinite(number); };
@@ -291,14 +294,17 @@ int Run(const CoregisterCommand& command, const Console&) {
 
   if (other) answer.apart = ApartOf(answer.solved.state.camera_from_lidar, *other);
 
-  if (!command.output.empty()) WriteRigOf(command, answer);
-  if (!command.record.empty()) Record(command, types, data, answer);
-  WritePictures(command, data, answer);
+  Outputs outputs(console);
+  outputs.Try(command.output, [&] { WriteRigOf(command, answer); });
+  outputs.Try(command.record, [&] { Record(command, types, data, answer); });
+  outputs.Try(command.picture, [&] { WriteResiduals(command, data, answer); });
+  outputs.Try(command.error_map, [&] { WriteErrorMap(command, answer); });
   if (command.json) {
     fmt::print("{}\n", JsonText(JsonOf(data, answer), 2));
   } else {
     Print(command, data, answer);
   }
+  if (outputs.Failure() != kDone) return outputs.Failure();
   return ExitOf(answer.solved.report.termination);
 }
 

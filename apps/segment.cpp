@@ -17,6 +17,7 @@
 #include "graticule/problems/segmentation/segment_statistics.hpp"
 #include "graticule/problems/segmentation/segmenter.hpp"
 #include "graticule/solver/stopwatch.hpp"
+#include "outputs.hpp"
 #include "problem.hpp"
 #include "segment_choosing.hpp"
 #include "segment_files.hpp"
@@ -66,6 +67,9 @@ void CheckWords(const SegmentCommand& command) {
   if (!command.picture.empty()) ExpectEnding(command.picture, "--picture", {".png"});
   if (!command.label_image.empty()) ExpectEnding(command.label_image, "--label-image", {".png"});
   if (!command.report.empty()) ExpectEnding(command.report, "--report", {".html"});
+  for (const std::string& path :
+       {command.output, command.picture, command.label_image, command.report})
+    ExpectWritable(path);
 }
 
 std::string Places(const Eigen::Vector3d& v) {
@@ -154,22 +158,25 @@ int Run(const SegmentCommand& command, const Console& console) {
   About(command.cloud, [&] { return labels = segmenter.Segment(cloud), 0; });
   const double seconds = watch.Elapsed().wall;
   const auto segments = StatisticsOf(cloud, labels, segmenter.SegmentCount(), colours.is_seen);
+  Outputs outputs(console);
   if (!command.picture.empty() || !command.report.empty()) {
     const ColourImage picture = DrawSegments(cloud, labels, segments);
-    if (!command.picture.empty()) WriteFile(command.picture, FormatPng(picture));
-    if (!command.report.empty())
+    outputs.Try(command.picture, [&] { WriteFile(command.picture, FormatPng(picture)); });
+    outputs.Try(command.report, [&] {
       WriteFile(command.report,
                 SegmentReportHtml(ReportOf(command, options, cloud, picture, segments, seconds)));
+    });
   }
-  if (!command.label_image.empty()) WriteFile(command.label_image, FormatLabelImage(cloud, labels));
-  if (!command.output.empty()) {
+  outputs.Try(command.label_image,
+              [&] { WriteFile(command.label_image, FormatLabelImage(cloud, labels)); });
+  outputs.Try(command.output, [&] {
     PointCloud out = cloud;
     out.labels = labels;
     if (command.colours == "false") out.colours = FalseColours(labels);
     if (command.colours == "mean" && !cloud.colours.empty())
       out.colours = MeanColours(labels, segments);
     WriteCloud(command.output, out);
-  }
+  });
   std::size_t points = 0;
   for (const std::uint32_t label : labels) points += label > 0;
   std::optional<SegmentScore> score;
@@ -192,7 +199,7 @@ int Run(const SegmentCommand& command, const Console& console) {
                       {"found", score->found}};
     out["segments"] = SegmentsJson(segments);
     fmt::print("{}\n", JsonText(out, 2));
-    return kDone;
+    return outputs.Failure();
   }
   fmt::print("{}: {} x {} points, {} in {} segments ({}, {})\n", command.cloud, cloud.width,
              cloud.height, points, segments.size(), command.method, Seconds(seconds));
@@ -208,7 +215,7 @@ int Run(const SegmentCommand& command, const Console& console) {
         score->mean_f, 100 * score->found);
   PrintLargest(segments);
   if (segments.empty()) console.Note("no segment: no two points are linked");
-  return kDone;
+  return outputs.Failure();
 }
 
 }  // namespace graticule::apps

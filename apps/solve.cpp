@@ -22,6 +22,7 @@
 #include "graticule/solver/stopwatch.hpp"
 #include "ground_truth.hpp"
 #include "marginals.hpp"
+#include "outputs.hpp"
 #include "problem.hpp"
 #include "rejection.hpp"
 #include "structure_json.hpp"
@@ -125,32 +126,6 @@ Configuration ChooseRejection(const SolveCommand& command) {
     if (is_set) throw Error(std::string(word) + " needs --reject-outliers", ErrorKind::kUsage);
   return configuration;
 }
-
-// Every output is tried, also after one failed: a full disk for the plot must not cost the
-// solution.
-class Outputs {
- public:
-  explicit Outputs(const Console& console) : console_(console) {}
-
-  template <class Write>
-  void Try(const std::string& path, const Write& write) {
-    if (path.empty()) return;
-    try {
-      write();
-      written_.push_back(path);
-    } catch (const graticule::Error& error) {
-      console_.Error(error.what());
-      if (failure_ == kDone) failure_ = ExitOf(error.Kind());
-    }
-  }
-  Exit Failure() const { return failure_; }
-  const std::vector<std::string>& Written() const { return written_; }
-
- private:
-  const Console& console_;
-  Exit failure_ = kDone;
-  std::vector<std::string> written_;
-};
 
 void CheckOutputs(const SolveCommand& command) {
   ExpectEnding(command.output, "-o", ProblemEndings());

@@ -118,6 +118,29 @@ TEST_F(Calibrate, RefusesWordsThatDoNotFit) {
   EXPECT_EQ(Files(), std::vector<std::string>{"set.json"});
 }
 
+TEST_F(Calibrate, LooksBeforeTheSolveWhetherEveryOutputCanBeWritten) {
+  for (const char* option : {"--report", "--record", "--detections", "--pictures"}) {
+    const std::string ending = option == std::string("--report") ? ".html" : ".fg";
+    // Not a folder, so that nothing can be in it.
+    const std::string nowhere = Write("file", "") + "/out" + ending;
+    const Outcome outcome = Run(Board(4, .5, .1), {option, nowhere, "-o", Path("camera.yaml")});
+    EXPECT_EQ(outcome.exit_code, 1) << option << outcome.err;
+    EXPECT_EQ(Files(), (std::vector<std::string>{"file", "set.json"})) << option;
+  }
+}
+
+TEST_F(Calibrate, AnOutputThatCannotBeWrittenCostsNoOther) {
+  std::filesystem::create_symlink("/dev/full", Path("report.html"));
+  std::filesystem::create_symlink("/dev/full", Path("corners.json"));
+  const Outcome outcome =
+      Run(Board(8, .5, .1), {"--report", Path("report.html"), "--detections", Path("corners.json"),
+                             "-o", Path("camera.yaml"), "--model", "pinhole", "--json"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_EQ(CountLines(outcome.err), 2u) << outcome.err;
+  EXPECT_EQ(JsonOf(outcome)["cameras"].size(), 1u);
+  EXPECT_TRUE(std::filesystem::exists(Path("camera.yaml")));
+}
+
 class CalibrateRecordedImages : public CommandTest {
  protected:
   static std::string Path(const std::string& file) {

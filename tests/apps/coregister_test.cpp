@@ -186,6 +186,21 @@ TEST_F(CoregisterCommand, RefusesWhatHasNoAnswer) {
   EXPECT_EQ(Coregister({}).exit_code, 3);
 }
 
+TEST_F(CoregisterCommand, AnOutputThatCannotBeWrittenCostsNoOther) {
+  for (const char* option : {"--record", "--plot", "--error-map"}) {
+    const std::string name = option == std::string("--record") ? "out.fg" : "out.svg";
+    EXPECT_EQ(Coregister({option, Path("none/" + name), "-o", Path("rig.yaml")}).exit_code, 1);
+    EXPECT_FALSE(std::filesystem::exists(Path("rig.yaml"))) << option << " is looked at too late";
+  }
+  std::filesystem::create_symlink("/dev/full", Path("full.svg"));
+  const Outcome outcome = Coregister({"--plot", Path("full.svg"), "--error-map", Path("map.svg"),
+                                      "-o", Path("rig.yaml"), "--json"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_TRUE(JsonOf(outcome).is_object());
+  EXPECT_TRUE(std::filesystem::exists(Path("rig.yaml")));
+  EXPECT_TRUE(std::filesystem::exists(Path("map.svg")));
+}
+
 TEST_F(CoregisterCommand, RefusesCamerasAndWordsThatDoNotFit) {
   EXPECT_EQ(Coregister({"--sigma", "nan"}).exit_code, 2);
   EXPECT_EQ(Coregister({"--range", "inf"}).exit_code, 2);

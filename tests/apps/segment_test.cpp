@@ -128,6 +128,20 @@ TEST_F(Segment, WritesAPageOfItsSegments) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
 }
 
+TEST_F(Segment, AnOutputThatCannotBeWrittenCostsNoOther) {
+  const std::string cloud = kClouds + "mosd/test/test0.pcd";
+  const Outcome late =
+      RunCommand({"segment", cloud, "--picture", Path("a.png"), "-o", Path("none/a.ply")});
+  EXPECT_EQ(late.exit_code, 1) << late.err;
+  EXPECT_TRUE(Files().empty());
+  std::filesystem::create_symlink("/dev/full", Path("full.png"));
+  const Outcome outcome = RunCommand(
+      {"segment", cloud, "--picture", Path("full.png"), "-o", Path("labels.ply"), "--json"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_EQ(JsonOf(outcome)["segments"].size(), 3u);
+  EXPECT_TRUE(std::filesystem::exists(Path("labels.ply")));
+}
+
 TEST_F(Segment, RefusesWhatItCannotSegment) {
   const std::string flat =
       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
