@@ -1,4 +1,5 @@
 #include "graticule/io/detections.hpp"
+#include "graphs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -341,8 +342,8 @@ TEST_F(RecordedDetections, AreTheSameFromTheOriginalToolsFiles) {
     if (entry.path().extension() == ".dsc" || entry.path().extension() == ".tp")
       WriteFile(packed / (entry.path().filename().string() + ".gz"),
                 ReadFile(entry.path().string()));
-  const Detections first = ReadDetections(
-      {packed / ("train/" + std::filesystem::path(files[0]).filename().string() + ".gz")});
+  const Detections first = ReadDetections(std::vector<std::string>{
+      packed / ("train/" + std::filesystem::path(files[0]).filename().string() + ".gz")});
   ASSERT_EQ(first.views.size(), 1u);
   EXPECT_EQ(first.views[0].corners.size(), original.views[0].corners.size());
 
