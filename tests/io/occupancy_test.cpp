@@ -75,8 +75,8 @@ TEST(Occupancy, SaysWhatIsWrongWithAMapFile) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   says(refused(with("resolution: 0.05", "resolution: 0")), "bad.yaml:3:13: expected a resolution");
-  says(refused(with("resolution: 0.05", "resolution: .nan")), "expected a finite number");
-  says(refused(with("resolution: 0.05\n", "")), "expected 'resolution'");
+  says(refused(with("resolution: 0.05", "resolution: .nan")), "bad.yaml:3:13: expected a number");
+  says(refused(with("resolution: 0.05\n", "")), "bad.yaml:1:1: expected a member 'resolution'");
   says(refused(with("[-1.25, 3.5, 0.1]", "[1]")), "expected the origin as [x, y, yaw]");
   says(refused(with("trinary", "raw")), "expected the mode trinary or scale, found raw");
   says(refused(with("free_thresh: 0.196", "free_thresh: 0.9")), "free_thresh < occupied_thresh");
