@@ -11,6 +11,7 @@
 #include "graticule/io/svg.hpp"
 #include "graticule/io/text.hpp"
 #include "numbers.hpp"
+#include "outputs.hpp"
 #include "problem.hpp"
 #include "signal_model.hpp"
 
@@ -86,8 +87,8 @@ Eigen::Vector3d PlaceOf(const std::string& text) {
   return {at[0], at[1], at.size() > 2 ? at[2] : 0};
 }
 
-void PredictEverywhere(const SignalPredictCommand& command, const SignalModel& model,
-                       const OccupancyGrid& map) {
+Exit PredictEverywhere(const SignalPredictCommand& command, const SignalModel& model,
+                       const OccupancyGrid& map, const Console& console) {
   const Extent extent = ExtentOf(map);
   const double longer = std::max(extent.x1 - extent.x0, extent.y1 - extent.y0);
   const double step = command.step_m > 0 ? command.step_m : longer / 120;
@@ -122,9 +123,16 @@ void PredictEverywhere(const SignalPredictCommand& command, const SignalModel& m
   const std::string svg =
       DrawHeat({strength, sigma}, &map,
                {{from.x(), from.y(), command.radio.empty() ? "from" : command.radio}});
-  WriteFile(command.map_of + ".png", PngFromSvg(svg, 1400));
-  WriteRaster(command.map_of + ".dbm", strength, 1, 200);
-  WriteRaster(command.map_of + ".sigma", sigma, 10, 0);
+  Outputs outputs(console);
+  const std::string picture = command.map_of + ".png";
+  outputs.Try(picture, [&] { WriteFile(picture, PngFromSvg(svg, 1400)); });
+  const auto write = [&](const std::string& name, const HeatField& field, double scale,
+                         double offset) {
+    outputs.Try(name, [&] { WriteRaster(name, field, scale, offset); });
+  };
+  write(command.map_of + ".dbm", strength, 1, 200);
+  write(command.map_of + ".sigma", sigma, 10, 0);
+  return outputs.Failure();
 }
 
 // Of pairs whose strength is known.
@@ -191,16 +199,18 @@ int Run(const SignalPredictCommand& command, const Console& console) {
   if (!command.map_of.empty() && (command.from.empty() || command.map.empty()))
     throw Error("--map-of goes with --from and --map", ErrorKind::kUsage);
   if (!command.from.empty()) PlaceOf(command.from);
+  ExpectWritable(command.output);
+  if (!command.map_of.empty()) ExpectWritable(command.map_of + ".png");
   const SignalModel model = LoadSignalModel(command.model, command.map);
-  if (!command.pairs.empty())
-    PredictPairs(command, model, console);
-  else
-    PredictEverywhere(command, model, *LoadMap(command.map));
+  if (command.pairs.empty())
+    return PredictEverywhere(command, model, *LoadMap(command.map), console);
+  PredictPairs(command, model, console);
   return kDone;
 }
 
 int Run(const SignalDrawCommand& command, const Console&) {
   ExpectEnding(command.output, "--output", {".png", ".svg"});
+  ExpectWritable(command.output);
   const SignalModel model = LoadSignalModel(command.model, command.map);
   if (model.fitted == nullptr || model.fitted->Options().classes.empty())
     throw Error(command.model + ": a model of " + model.method + " has no attenuation to draw",

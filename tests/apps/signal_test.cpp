@@ -137,6 +137,29 @@ TEST_F(SignalCommandTest, PredictsForTheLastMeasurementsTimeWhereNoneIsGiven) {
   EXPECT_EQ(last, predict(with));
 }
 
+TEST_F(SignalCommandTest, LooksBeforeItPredictsWhetherItsFilesCanBeWritten) {
+  ASSERT_EQ(Fit("matte", "model.fg").exit_code, 0);
+  const std::string model = Path("model.fg"), nowhere = Path("nofolder/x");
+  const std::string pairs =
+      Write("pairs.csv", "receiver,transmitter,rx_x,rx_y,tx_x,tx_y\nrobot1,robot2,3,3,8,4\n");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"predict", model, "--pairs", pairs, "-o", nowhere},
+        {"predict", model, "--map", Path("house/map.yaml"), "--from", "4,4", "--map-of", nowhere},
+        {"draw", model, "--map", Path("house/map.yaml"), "-o", nowhere + ".png"}}) {
+    std::vector<std::string> all = {"signal"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome outcome = RunCommand(all);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find("there is no folder"), std::string::npos) << outcome.err;
+  }
+  // A picture that cannot be written does not cost the numbers.
+  std::filesystem::create_symlink("/dev/full", Path("full.png"));
+  const Outcome full = RunCommand({"signal", "predict", model, "--map", Path("house/map.yaml"),
+                                   "--from", "4,4", "--map-of", Path("full")});
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_TRUE(std::filesystem::exists(Path("full.dbm.png"))) << full.err;
+}
+
 TEST_F(SignalCommandTest, KeepsWhatWasSetWhateverTheMethodMakesOfIt) {
   for (const auto& [method, setting] :
        {std::pair("gp", "pair-gp.length_m=7"), std::pair("one+gp", "gp.radio_db=0")}) {
