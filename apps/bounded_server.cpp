@@ -106,6 +106,8 @@ BoundedServer::BoundedServer() {
   });
 }
 
+void BoundedServer::LetMoreWait() { ::listen(svr_sock_, SOMAXCONN); }
+
 bool BoundedServer::process_and_close_socket(socket_t socket) {
   BoundedStream stream(socket, svr_sock_);
   bool is_closed = false;

@@ -15,6 +15,9 @@ class BoundedServer : public httplib::Server {
   static constexpr std::size_t kMostConnections = 16;  ///< at once, as many wait
 
   BoundedServer();
+  /// To be called once it is bound.  httplib lets five wait to be accepted; the next one's system
+  /// tries again after a second, and then after two more.
+  void LetMoreWait();
 
  private:
   bool process_and_close_socket(socket_t socket) override;

@@ -210,6 +210,7 @@ void GuideServer::Listen() {
                     ": cannot listen there: " + std::strerror(errno),
                 errno == EADDRNOTAVAIL ? ErrorKind::kUsage : ErrorKind::kOther);
   options_.port = port;
+  server_->LetMoreWait();
   thread_ = std::thread([this] { server_->listen_after_bind(); });
   // What does not run yet cannot be stopped.
   while (!server_->is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -180,9 +180,8 @@ TEST(GuideServer, LetsNobodyWaitForAnother) {
     slow.push_back(std::make_unique<HttpClient>(page.Port()));
     slow.back()->Send("GET / HT");
   }
-  const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(StatusOf(Asked(page.Port(), Request("GET", "/"))), 200);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+  for (const auto& one : slow) EXPECT_FALSE(one->HasEnded());
   // ... and, where many of them take every place, not for long.
   for (int i = 0; i < 17; ++i) {
     slow.push_back(std::make_unique<HttpClient>(page.Port()));
@@ -195,12 +194,19 @@ TEST(GuideServer, LetsNobodyWaitForAnother) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   });
-  std::string answer;
-  for (int i = 0; i < 3 && answer.empty(); ++i)
-    answer = Asked(page.Port(), Request("GET", "/options.json"));
-  EXPECT_EQ(StatusOf(answer), 200);
+  EXPECT_EQ(StatusOf(Asked(page.Port(), Request("GET", "/options.json"))), 200);
   is_over = true;
   drips.join();
+}
+
+// Beyond the system's queue, a browser would stand for a second for each try.
+TEST(GuideServer, LetsManyWaitAtItsDoor) {
+  const Page page;
+  std::vector<std::unique_ptr<HttpClient>> idle;
+  for (int i = 0; i < 64; ++i) {
+    idle.push_back(std::make_unique<HttpClient>(page.Port()));
+    EXPECT_EQ(idle.back()->Retries(), 0u) << i;
+  }
 }
 
 TEST(GuideServer, EndsAtOnceWhileOthersWait) {
@@ -215,7 +221,8 @@ TEST(GuideServer, EndsAtOnceWhileOthersWait) {
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   const auto start = std::chrono::steady_clock::now();
   page.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(900));
+  // Each alone would have five seconds.
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(4));
 }
 
 TEST(GuideServer, SaysWhereItCannotListen) {

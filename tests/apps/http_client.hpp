@@ -2,10 +2,13 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdint>
 #include <string>
 
 namespace graticule::test {
@@ -14,7 +17,7 @@ namespace graticule::test {
 class HttpClient {
  public:
   explicit HttpClient(int port) : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    const timeval limit = {10, 0};
+    const timeval limit = {60, 0};
     setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof(limit));
     sockaddr_in address = {};
     address.sin_family = AF_INET;
@@ -30,6 +33,19 @@ class HttpClient {
   bool Send(const std::string& bytes) const {
     return is_open_ && send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
                            static_cast<ssize_t>(bytes.size());
+  }
+  /// Whether the other side has ended, and said nothing.
+  bool HasEnded() const {
+    char byte;
+    const ssize_t count = recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+    return count == 0 || (count < 0 && errno != EAGAIN && errno != EWOULDBLOCK);
+  }
+  /// How often the system had to send something again: the other side did not take it.
+  std::uint32_t Retries() const {
+    tcp_info info = {};
+    socklen_t size = sizeof(info);
+    return getsockopt(socket_, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 ? info.tcpi_total_retrans
+                                                                         : 0;
   }
   /// Says that nothing more comes.
   void EndSending() const { shutdown(socket_, SHUT_WR); }

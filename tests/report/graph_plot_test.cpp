@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <random>
 
@@ -101,12 +101,12 @@ TEST(GraphPlot, StaysSmallAndQuickWithAHundredThousandEdges) {
   const auto pose = [&] { return static_cast<std::uint32_t>(random() % 20000); };
   for (int i = 0; i < 100000; ++i)
     graph.edges.push_back({pose(), pose(), EdgeKind::kLoop, 1e-3 * pose(), 3});
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();
   const std::string svg = DrawGraph(graph);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+  const double cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   EXPECT_LT(svg.size(), 6u << 20);
-  // Measured: 0.05 s.  The margin is for sanitizers and a busy machine.
-  EXPECT_LT(seconds.count(), 2);
+  // Measured: 0.05 s.  The margin is for sanitizers.
+  EXPECT_LT(cpu_s, 2);
 
   for (int i = 0; i < 200000; ++i) graph.edges.push_back({pose(), pose(), EdgeKind::kLoop, 1, 3});
   const std::string thinned = DrawGraph(graph);
