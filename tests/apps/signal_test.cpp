@@ -234,7 +234,9 @@ TEST_F(SignalCommandTest, RanksPlacesByTheCombinationsOwnNoise) {
   const Outcome where = RunCommand({"signal", "where", Path("best.txt"), team, "--robot", "robot2",
                                     "--map", Map(), "--reach", "20", "--places", "2", "--json"});
   ASSERT_EQ(where.exit_code, 0) << where.err;
-  for (const Json& place : JsonOf(where)["places"]) EXPECT_GT(place["gain_nats"], 0.0);
+  const Json said = JsonOf(where);
+  ASSERT_EQ(said["places"].size(), 2u);
+  for (const Json& place : said["places"]) EXPECT_GT(place["gain_nats"], 0.0);
 }
 
 TEST_F(SignalCommandTest, PlansForTheTeam) {
